@@ -11,6 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import fftconvolve, lfilter
 from scipy.stats import chi2
 
+from compensator_theory._truth import Truth
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.identification._box_jenkins import (
     ONE,
@@ -45,7 +46,7 @@ OMEGA = np.geomspace(1e-4, np.pi, 100)
 
 
 @dataclass(frozen=True)
-class Gate:
+class Gate(Truth):
     """A test that a model of a record must pass before a controller is designed on it.
 
     Attributes

@@ -152,7 +152,7 @@ class ProcessSearch:
     def _rank(self) -> None:
         self.fits = [
             one for one in self.fits
-            if (not one.armax or one.is_unstable)
+            if (not one.armax or _has_unstable_part(one))
             and (not one.summed or integrated_share(one.A, one.B) > SHARE)
         ]  # fmt: skip
         self.fits.sort(key=_bic)
@@ -228,20 +228,25 @@ class ProcessSearch:
         again = self.fit(start)
         return again if again is not None and again.bic < fit.bic else fit
 
-    def _best(self, count: int, **kind: object) -> list[ProcessFit]:
-        """The best fits so far of some kind."""
+    def _best(
+        self, count: int, order: int | None = None, *, summed: bool | None = None,
+        slope: bool | None = None,
+    ) -> list[ProcessFit]:  # fmt: skip
+        """The best models so far, of an order, with or without a pole at 1 or a slope."""
         alike = [
-            one for one in self.fits if all(getattr(one, key) == of for key, of in kind.items())
-        ]
+            one for one in self.fits
+            if order in (None, one.order) and summed in (None, one.summed)
+            and slope in (None, one.slope)
+        ]  # fmt: skip
         return sorted(alike, key=_bic)[:count]
 
     def _extended(self) -> None:
         """Orders 2 to 4 from the best of the order below, as long as they pay."""
         for n in range(2, MOST_ORDER + 1):
-            below = self._best(1, order=n - 1, summed=False)
+            below = self._best(1, n - 1, summed=False)
             if not below or below[0].bic > self._best(1)[0].bic + WORSE:
                 continue
-            before = self._best(1, order=n, summed=False)
+            before = self._best(1, n, summed=False)
             for fit in below:
                 A = np.convolve(fit.A, [1, -0.5])
                 for earlier in (0, 1, 2):
@@ -252,7 +257,7 @@ class ProcessSearch:
                     B = np.concatenate([B, np.zeros(n - len(B))])
                     if np.abs(B).any():
                         self.fit(replace(start_of(fit), A=A, B=B, delay=fit.delay - earlier))
-            now = self._best(1, order=n, summed=False)
+            now = self._best(1, n, summed=False)
             if now and now[0].bic > below[0].bic and (not before or now[0] is before[0]) and n > 2:
                 break
 
@@ -295,7 +300,7 @@ class ProcessSearch:
     def _sloped(self) -> None:
         """A slope of y beside the best of each order, before a further pole stands for it."""
         for n in range(1, MOST_ORDER):
-            for one in self._best(1, order=n, slope=False):
+            for one in self._best(1, n, slope=False):
                 self.fit(replace(start_of(one), slope=True), 12)
 
     def _richer(self) -> None:
@@ -384,7 +389,7 @@ class ProcessSearch:
                     start, A=np.convolve(one.A, [1, -0.3]), B=np.convolve(one.B, [1, -0.3]),
                     noise=replace(one.noise, C=C),
                 ))  # fmt: skip
-        if not any(one.is_unstable for one in self.fits[first:]):
+        if not any(_has_unstable_part(one) for one in self.fits[first:]):
             del self.fits[first:]
 
     def _cancelled(self) -> None:
@@ -460,6 +465,16 @@ def _joint_innovations(y: Array, u: Array) -> Array:
 
 def _bic(fit: ProcessFit) -> float:
     return fit.bic
+
+
+def _has_unstable_part(fit: ProcessFit) -> bool:
+    """Whether a pole is outside the circle, and no zero all but cancels it."""
+    zeros = np.roots(fit.B)
+    for pole in fit.poles[np.abs(fit.poles) > 1.001]:
+        nearest = np.abs(zeros - pole).min(initial=np.inf)
+        if nearest > max(ALIKE, 0.1 * (abs(pole) - 1)):
+            return True
+    return False
 
 
 def _slowest(fit: ProcessFit) -> float:

@@ -410,6 +410,8 @@ SAMPLES = {
     results.OutputErrorModel: lambda seed: identification.identify_output_error(
         *answered(seed), orders=(1,), delays=(0,)
     ),
+    results.ProcessModel: lambda seed: identification.identify_process(*answered(seed)),
+    results.Gate: lambda seed: identification.identify_process(*answered(seed)).gates[0],
     results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(
         *answered(seed), orders=(1,), delays=(0,)
     ),

@@ -148,3 +148,16 @@ def test_a_log_is_a_plant(tmp_path):
     result = run(path, "--assume", "--seeds", "1")
     assert result.exit_code == 0, result.output
     assert "the model of the log, order 1, delay 1" in result.output
+
+
+def test_a_log_that_leaves_its_plant_open_is_status_1_and_no_controller(tmp_path):
+    """A level jump beside the only step of u."""
+    rng = np.random.default_rng(3)
+    k = np.arange(400)
+    y = 3.0 * (k >= 203) + 0.3 * rng.standard_normal(400)
+    path = tmp_path / "log.csv"
+    log = np.stack([1.0 * (k >= 200), y], axis=1)
+    np.savetxt(path, log, delimiter=",", header="u,y", comments="")
+    result = run(path, "--assume", "--seeds", "1")
+    assert result.exit_code == 1, result.output
+    assert "Use " not in result.output and "jumps" in result.output

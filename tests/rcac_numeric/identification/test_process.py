@@ -1,0 +1,240 @@
+"""Models of process records: right under drift, jumps, walks and spikes, and refused where open."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+
+from compensator_theory.errors import InputError, UndecidedError
+from rcac_numeric.identification import identify_process
+from rcac_numeric.identification._box_jenkins import (
+    NoiseModel,
+    Start,
+    _Errors,
+    confined,
+    fitted,
+    start_of,
+)
+from rcac_numeric.identification._delay_scan import delay_scan
+from rcac_numeric.identification._process import search_of
+from rcac_numeric.identification._process_evidence import KNOWN, feedthrough_gate
+from rcac_numeric.identification._process_records import process_record
+from rcac_numeric.identification._process_search import ODDS
+
+STEPS = 1500
+ROWS = np.arange(STEPS)
+SLOW_DISTURBANCES = {
+    "a level jump": lambda rng: 5.0 * (ROWS > 750),
+    "a random walk": lambda rng: 0.1 * np.cumsum(rng.standard_normal(STEPS)),
+    "a drift": lambda rng: 8.0 * ROWS / STEPS,
+    "a sinusoid": lambda rng: 5 * np.sin(0.05 * ROWS),
+    "a spike": lambda rng: 1000.0 * (ROWS == 700),
+}
+
+
+def lag(u, noise, rng, delay=0, pole=0.8, gain=0.5):
+    """y(k) = pole y(k-1) + gain u(k-1-delay), with white noise."""
+    y = lfilter(np.r_[np.zeros(delay + 1), gain], [1, -pole], u)
+    return y + noise * rng.standard_normal(len(u))
+
+
+def error_of(model, pole, gain, delay=0):
+    """The largest relative error of the response at 0.1 to 0.5 rad/step."""
+    past = np.exp(-1j * np.linspace(0.1, 0.5, 9))
+    true = gain * past ** (delay + 1) / (1 - pole * past)
+    top = np.polyval(model.numerator[::-1], past) * past ** (model.delay + 1)
+    return np.max(np.abs(top / np.polyval(model.denominator[::-1], past) / true - 1))
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("name", SLOW_DISTURBANCES)
+def test_slow_disturbances_and_spikes_do_not_reach_the_model(name):
+    """The same plant without them: errors of noise of 0.01 alone are 0.001."""
+    rng = np.random.default_rng(0)
+    u = rng.standard_normal(STEPS)
+    model = identify_process(u, lag(u, 0.01, rng) + SLOW_DISTURBANCES[name](rng))
+    assert error_of(model, 0.8, 0.5) < 0.05 and not model.failed
+    assert model.spikes == (name == "a spike")
+    assert (
+        any(one.delay <= 0 <= model.delay + 1 for one in (model, *model.rivals))
+        and model.delay_interval[0] <= 0
+    )
+
+
+@pytest.mark.costly
+@settings(max_examples=15)
+@given(
+    at=st.integers(3, 20), gain=st.sampled_from([-2.0, 0.5, 1e4]), offset=st.floats(-5, 5),
+    seed=st.integers(0, 99),
+)  # fmt: skip
+def test_a_step_in_the_first_rows_counts(at, gain, offset, seed):
+    rng = np.random.default_rng(seed)
+    u = 1.0 * (np.arange(300) >= at) + offset
+    y = gain * lag(u - offset, 0.01, rng, gain=1.0) + 3 * gain
+    model = identify_process(u, y)
+    low, high = model.gain_interval
+    # A 95 % interval, twice as wide: 4 standard deviations.
+    assert 2 * low - model.gain <= 5 * gain <= 2 * high - model.gain
+    assert error_of(model, 0.8, gain) < 0.2
+
+
+@pytest.mark.parametrize("delay", [31, 200])
+def test_long_dead_times_need_no_range(delay):
+    rng = np.random.default_rng(3)
+    u = np.repeat(rng.choice([-1.0, 1.0], 300), 10)
+    walk = 0.02 * np.cumsum(rng.standard_normal(3000))
+    model = identify_process(u, lag(u, 0.05, rng, delay, 0.9) + walk, sample_time=2.0)
+    first, last = model.delay_interval
+    assert first <= delay <= last + 1 and error_of(model, 0.9, 0.5, delay) < 0.1
+    assert model.dead_time == 2.0 * model.delay
+    slowest, low, high = model.time_constants[0]
+    assert low < slowest < high and slowest == pytest.approx(-2 / np.log(0.9), rel=0.1)
+
+
+@pytest.mark.costly
+def test_an_unstable_plant_under_a_weak_dither_is_among_the_credible_models():
+    """x(k+1) = 1.06 x(k) + 0.5 u(k); a stable model predicts nearly as well there."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        u, y, x = np.zeros(1500), np.zeros(1500), 0.0
+        for k in range(1500):
+            y[k] = x + 0.5 * rng.standard_normal()
+            u[k] = 0.2 * rng.choice([-1, 1]) - 0.3 * y[k]
+            x = 1.06 * x + 0.5 * u[k]
+        search = search_of(u, y, None)
+        poles = [np.abs(one.poles).max() for one in search.fits if search.credible(one)]
+        assert any(1.0 < pole < 1.15 for pole in poles)
+
+
+@given(
+    seed=st.integers(0, 999), slope=st.booleans(), armax=st.booleans(), weighted=st.booleans(),
+    differences=st.integers(0, 1),
+)  # fmt: skip
+def test_the_gradient_is_that_of_the_prediction_errors(seed, slope, armax, weighted, differences):
+    rng = np.random.default_rng(seed)
+    u = rng.standard_normal(200)
+    record = process_record(u, lag(u, 0.3, rng))
+    noise = NoiseModel(np.array([1, -0.4, 0.1]), np.array([1, -0.6]), differences)
+    start = Start(np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1, noise, False, slope, armax)
+    weights = 1 + 0.5 * np.sin(np.arange(200)) if weighted else None
+    errors = _Errors(record, start, weights)
+    theta = np.r_[start.A[1:], start.B, noise.C[1:], noise.D[1:]]
+    point, h = errors.at(theta), 1e-6
+    J = point.jacobian()
+    for k, row in enumerate(J):
+        step = h * np.eye(len(theta))[k]
+        difference = (errors.at(theta + step).e - errors.at(theta - step).e) / (2 * h)
+        # Kaufman's: the part in the space of what is free is left out.
+        difference -= point.Q @ (point.Q.T @ difference)
+        assert np.abs(difference - row).max() < 1e-5 * (1 + np.abs(row).max())
+
+
+@given(seed=st.integers(0, 999), count=st.integers(1, 3), weighted=st.booleans())
+def test_the_scan_of_delays_is_least_squares_at_each(seed, count, weighted):
+    rng = np.random.default_rng(seed)
+    u, y, free = rng.standard_normal((2, 80)), rng.standard_normal(80), rng.standard_normal((2, 80))
+    weights = rng.uniform(0.5, 1, 80) if weighted else None
+    scan = delay_scan(y, u, np.stack([free, free]), count, 6, weights)
+    w = np.ones(80) if weights is None else weights
+    for candidate in range(2):
+        for delay in range(6):
+            forced = [np.r_[np.zeros(delay + i), u[candidate, : 80 - delay - i]] * w
+                      for i in range(1, count + 1)]  # fmt: skip
+            X = np.stack([*forced, *free]).T
+            theta, *_ = np.linalg.lstsq(X, y, rcond=None)
+            assert scan.squares[candidate, delay] == pytest.approx(np.sum((y - X @ theta) ** 2))
+            np.testing.assert_allclose(scan.numerators[candidate, delay], theta[:count], atol=1e-6)
+
+
+@given(st.lists(st.floats(-3, 3), min_size=1, max_size=4))
+def test_confined_roots_have_the_response_of_an_all_pass_beside(a):
+    A = np.r_[1.0, a]
+    within = confined(A, 0.999)
+    assert np.abs(np.roots(within)).max(initial=0) <= 0.999 + 1e-6
+
+
+@pytest.mark.costly
+def test_units_and_offsets_change_nothing_but_units():
+    rng = np.random.default_rng(5)
+    u = np.repeat(rng.choice([-1.0, 1.0], 100), 5)
+    y = lag(u, 0.1, rng, 4) + 0.05 * np.cumsum(rng.standard_normal(500))
+    one, other = identify_process(u, y), identify_process(1e-6 * u + 7, 1e6 * y - 3e6)
+    assert other.delay == one.delay and other.order == one.order
+    np.testing.assert_allclose(other.numerator / 1e12, one.numerator, rtol=1e-5)
+    np.testing.assert_allclose(other.gain_interval, np.multiply(1e12, one.gain_interval), rtol=1e-4)
+
+
+@pytest.mark.costly
+def test_a_minimum_beside_a_cancelled_pair_is_left():
+    """Poles 0.75 and 1e-5 with b = 0: a start that has a pole and a zero too many."""
+    rng = np.random.default_rng(0)
+    u = rng.standard_normal(400)
+    y = lfilter([0, 1.0], np.poly([0.75, 1e-5]), u)
+    model = identify_process(u, y + 1e-6 * rng.standard_normal(400))
+    assert error_of(model, 0.75, 1.0) < 1e-4
+
+
+@pytest.mark.costly
+def test_jumps_that_look_like_the_answer_to_one_step_fail_the_gate():
+    """Three level jumps, the first of them near the only step of u, to which y does not respond."""
+    rng = np.random.default_rng(2)
+    k = np.arange(600)
+    y = 4.0 * (k > 310) - 3.0 * (k > 450) + 0.05 * rng.standard_normal(600)
+    try:
+        model = identify_process(1.0 * (k >= 300), y)
+    except UndecidedError:
+        return
+    assert "level jumps" in {gate.name for gate in model.failed}
+
+
+def test_a_feedthrough_of_a_few_values_is_named():
+    rng = np.random.default_rng(4)
+    u = np.repeat(rng.choice([-1.0, 1.0], 150), 3)
+    y = lfilter([0.5], [1, -0.8], u) + 0.01 * rng.standard_normal(450)
+    with pytest.raises(InputError, match=r"y\(k\) responds to u\(k\)"):
+        identify_process(u, y)
+    search = search_of(u[1:], y[:-1], None)
+    gate = feedthrough_gate(search, search.fits[0])
+    assert gate.passed and gate.limit == ODDS and KNOWN < 1
+
+
+@pytest.mark.parametrize(
+    ("u", "y", "options", "words"),
+    [
+        (np.ones(300), np.arange(300.0), {}, "begin before the step"),
+        (np.arange(300.0), np.ones(300), {}, "y is constant"),
+        (np.ones(20), np.ones(20), {}, "at least 30"),
+        (np.ones(300), np.ones(200), {}, "equally long"),
+        (np.ones((300, 2)), np.ones(300), {}, "2 columns"),
+        (np.arange(300.0), np.arange(300.0), {"sample_time": 0.0}, "must be positive"),
+        (np.arange(300.0) % 7, np.arange(300.0) % 5, {"delay": 200}, "more than half"),
+        (*np.random.default_rng(1).standard_normal((2, 500)), {}, "no effect of u"),
+    ],
+)
+def test_a_record_of_nothing_is_refused(u, y, options, words):
+    with pytest.raises(InputError, match=words):
+        identify_process(u, y, **options)
+
+
+@pytest.mark.costly
+def test_the_interval_of_the_gain_holds_the_gain():
+    """40 records of y(k) = 0.8 y(k-1) + u(k-1) in white noise: gain 5."""
+    covered = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        u = rng.standard_normal(500)
+        low, high = identify_process(u, lag(u, 0.5, rng, gain=1.0), delay=0).gain_interval
+        covered += low <= 5.0 <= high
+    # 95 % each: binomial, four standard deviations.
+    assert covered >= 40 * 0.95 - 4 * np.sqrt(40 * 0.95 * 0.05)
+
+
+def test_a_fit_is_where_a_fit_that_begins_there_stays():
+    rng = np.random.default_rng(6)
+    u = rng.standard_normal(500)
+    record = process_record(u, lag(u, 0.5, rng))
+    noise = NoiseModel(np.array([1, -0.1]), np.array([1, -0.2]), 0)
+    fit = fitted(record, Start(np.array([1, -0.5]), np.array([0.3]), 0, noise))
+    again = fitted(record, start_of(fit))
+    assert 0 <= 1 - again.e @ again.e / (fit.e @ fit.e) < 1e-4
