@@ -8,7 +8,7 @@ is one of two values for 10 steps at a time.
 The loops are those of the true plant: a step of d, and sensor noise as in the log. stable: with
 the fixed controller, and with the last one of RCAC. good: stable too, the rms of e_0 over the last
 quarter below twice and its peak below ten times that of the fixed controller that is designed for
-the true plant and those signals. "cannot tell": refused, or a third of the log has another sign or
+the true plant and those signals. "cannot tell": refused, or a half of the log has another sign or
 is not held by the fixed controller with Ms < 4.
 
     .venv/bin/python benchmarks/design_log.py [plants] [first seed] [ratios]

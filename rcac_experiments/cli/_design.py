@@ -109,7 +109,7 @@ def design(
     gives the sample time.
     A terminal is asked for missing options; without a terminal the command names them and stops,
     or assumes defaults with --assume. The status is 1 if u = 0 gives a smaller error than the
-    controller.
+    controller, or a log does not determine its plant well enough.
     """
     result = designed(**_known(**options), seeds=seeds)
     show(design_sheet(result), as_json, picture, result.plot, lambda: _written(result, output))

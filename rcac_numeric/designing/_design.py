@@ -334,9 +334,9 @@ def design(
         `plant_of` reads, and rows of transfer functions. Of more than 40 states, as a measured
         impulse response has, those are kept that its response within 1 % of its peak needs. A
         `Plant` counts as its map from u to y. Of a log u and y count, and r where it is known:
-        `identify_output_error` makes a model of an open loop, `identify_in_closed_loop` one of a
-        closed loop, which an unstable plant needs. What it leaves of y is noise and disturbance
-        unless they are given, and the gain is as uncertain as parts of the log disagree.
+        `identify_process` makes the model, and a controller is handed out if every gate is passed.
+        What the model leaves of y is noise and disturbance unless they are given, and the gain is
+        as uncertain as halves of the log disagree.
     disturbance : "unknown", number, Signal or None
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
         the size of one that is not known otherwise; 0 or None where there is none, and a command.
@@ -372,6 +372,8 @@ def design(
     ------
     InputError
         Where the plant is not square or cannot be read, or a value is out of range.
+    UndecidedError
+        Where a log does not determine its plant well enough: the message names the failed gates.
     BudgetError
         Where the plant has more than 40 states and no truncation of it has fewer.
     NoSolutionError

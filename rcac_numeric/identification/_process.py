@@ -207,8 +207,9 @@ def identify_process(
     >>> y = lfilter([0] * 6 + [0.5], [1, -0.8], u) + np.cumsum(0.05 * rng.standard_normal(800))
     >>> y[400:] += 8.0
     >>> model = identify_process(u, y, sample_time=2.0)
-    >>> model.dead_time, round(model.gain, 1), model.differences, model.failed
-    (10.0, 2.5, 1, ())
+    >>> low, high = model.gain_interval
+    >>> model.dead_time, bool(low < 2.5 < high), model.differences, model.failed
+    (10.0, True, 1, ())
     """
     period = None if sample_time is None else number(sample_time, "sample_time")
     if period is not None and not period > 0:

@@ -66,6 +66,15 @@ def _level(verdict: Recommendation) -> Level:
 def _verdict(design: Design) -> Section:
     record = asdict(design.verdict) | {"questions": [asdict(q) for q in design.questions]}
     record["no_room"] = design.no_room or None
+    if design.logged is not None:
+        model = design.logged.model
+        record["log"] = {
+            "gates": [asdict(gate) for gate in model.gates],
+            "gain_interval": list(model.gain_interval),
+            "delay_interval": list(model.delay_interval),
+            "poles": [[pole.real, pole.imag] for pole in model.poles],
+            "pole_deviations": [float(one) for one in model.pole_deviations],
+        }
     return Section(record={"verdict": record})
 
 

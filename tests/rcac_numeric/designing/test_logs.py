@@ -51,6 +51,11 @@ def test_what_the_log_shows_of_itself_is_evidence(found):
     assert {"effect of u", "gain", "rivals", "halves", "robustness"} <= set(gates)
     assert all(gate.passed for gate in gates.values())
     assert all(name in found.questions[0].words for name in gates)
+    record = found._sheet().sections[0].record["verdict"]["log"]
+    assert {one["name"] for one in record["gates"]} == set(gates)
+    # 0.15/((1 - 0.9)(1 - 0.6)) = 3.75 with the other sign
+    low, high = record["gain_interval"]
+    assert low - 0.1 < -3.75 < high + 0.1 and len(record["poles"]) == logged.model.order
     # AR(1) at 0.8: the variance of its differences is 2 (1 - 0.8) of its own.
     size = 0.05 / np.sqrt(1 - 0.8**2)
     assert logged.noise == pytest.approx(size * np.sqrt(1 - 0.8), rel=0.1)
