@@ -34,6 +34,7 @@ from rcac_numeric.identification._process_evidence import (
     part_fits,
     relative_deviation,
 )
+from rcac_numeric.identification._process_search import has_hidden_pair
 
 PARTS = 2  # of the log, in each of which the model is fitted again
 SLOW = 20.0  # abs(1 - pole) times the steps of the log: a pole that the log cannot tell from 1
@@ -179,14 +180,21 @@ class LogSearch:
     def candidates(self) -> Iterator[ProcessFit]:
         """The credible models, the best first; then the best of each lower order.
 
-        The latter are no worse for a controller that stabilises the credible ones, too.
+        The latter are no worse for a controller that stabilises the credible ones, too. A model
+        with a hidden pair on the circle, which has no robust controller, is taken if there is no
+        other.
         """
         credible = self.search.distinct
-        yield from credible[:TRIED]
-        least = min(one.order for one in credible)
-        for order in range(least - 1, 0, -1):
-            if (fit := self.search.of_order(order)) is not None:
+        plain = [one for one in credible if not has_hidden_pair(one)][:TRIED]
+        yield from plain
+        is_first = not plain
+        for order in range(min(one.order for one in credible) - 1, 0, -1):
+            fit = self.search.of_order(order)
+            if fit is not None and not has_hidden_pair(fit):
                 yield fit
+                is_first = False
+        if is_first:
+            yield from credible[:TRIED]
 
     def first_gates(self, fit: ProcessFit) -> tuple[Gate, ...]:
         """The gates that ask for no controller."""

@@ -420,7 +420,7 @@ class ProcessSearch:
         if not self.fits:
             return
         credible = [one for one in self.fits if one.bic <= self.fits[0].bic + ODDS]
-        hidden = {id(one) for one in credible if _pairs(one, ALIKE)}
+        hidden = {id(one) for one in credible if has_hidden_pair(one)}
         least = min((one.order for one in credible if id(one) not in hidden), default=MOST_ORDER)
         if hidden:
             self.fits = [one for one in self.fits if id(one) not in hidden or one.order <= least]
@@ -465,6 +465,11 @@ def _joint_innovations(y: Array, u: Array) -> Array:
 
 def _bic(fit: ProcessFit) -> float:
     return fit.bic
+
+
+def has_hidden_pair(fit: ProcessFit) -> bool:
+    """Whether a pole near the circle and a zero all but cancel: a hidden mode of every loop."""
+    return bool(_pairs(fit, ALIKE))
 
 
 def _has_unstable_part(fit: ProcessFit) -> bool:
