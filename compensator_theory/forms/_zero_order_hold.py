@@ -299,7 +299,7 @@ def matched(
     Notes
     -----
     Where the plant has integrators or zeros at 0, what is kept is the limit of s^i G(s), with
-    (z - 1)/h in the place of s. Source: G. F. Franklin, J. D. Powell and M. L. Workman, Digital
+    (z - 1)/h in place of s. Source: G. F. Franklin, J. D. Powell and M. L. Workman, Digital
     Control of Dynamic Systems (1998), Section 6.2.
 
     Examples

@@ -50,7 +50,7 @@ class SymbolicRows:
         return cls(*read)
 
     def at_a_point(self) -> flint.fmpz_mat:
-        """Return the rows at some integers in the place of the symbols."""
+        """Return the rows at some integers in place of the symbols."""
         point = [10**6 + 3 + 1009 * k**2 for k in range(len(self.work.symbols))]
         return flint.fmpz_mat([[x(*point) for x in row] for row in self.rows])
 

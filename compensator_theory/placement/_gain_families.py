@@ -58,7 +58,7 @@ class StateFeedbackFamily(Certified, ExactValue):
     Notes
     -----
     With :math:`(sI - A)S(s) = B D(s)` from the chains of integrators, the columns of X and G are
-    S and D with :math:`\Lambda` in the place of s, so that common eigenvalues of A and
+    S and D with :math:`\Lambda` in place of s, so that common eigenvalues of A and
     :math:`\Lambda` need no exception.
     """
 

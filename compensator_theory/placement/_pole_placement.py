@@ -76,9 +76,9 @@ def place_poles(
         the result says so; coefficients go to `polynomial`. Roots may be irrational.
     n_c : int or "least", optional
         Order of the compensator; default deg(target) - n. With "least" the target is a list of
-        roots in the order in which they are wanted, and the compensator has the least order that
-        places the first n + n_c of them; the rest is not used. (Orders at which a pair of complex
-        poles would be divided are passed over.)
+        roots, the most important first: the compensator has the least order n_c that places the
+        first n + n_c roots, and ignores the others. An order that would split a complex-conjugate
+        pair is skipped.
     feedback : {+1, -1}
         The sign f. Chapters 2 and 4 use +1, Section 7.3 and after -1.
     polynomial : polynomial, optional

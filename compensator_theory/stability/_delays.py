@@ -347,7 +347,7 @@ def _values(polys: Sequence[Poly], s: flint.acb) -> list[flint.acb]:
 
 
 def _on_circle(polys: Sequence[Poly], s: flint.acb) -> flint.acb | None:
-    """Return the root z of P(s, z) that is on the unit circle; None if the balls do not tell.
+    """Return the root z of P(s, z) that is on the unit circle; None if undecided.
 
     A simple root of the resultant has one common root of P and its mirror image, and as 1/conj(z)
     is one with z, it is its own image.
@@ -407,8 +407,8 @@ def _windows(
     for (a, _), (b, _) in pairwise(events):
         if a.upper >= b.lower and not a.centre == b.centre == 0:
             raise BudgetError(
-                f"roots cross at two frequencies for the delay {float(a):.6g}, or so close to it "
-                "that 30 digits do not tell"
+                f"roots cross at two frequencies for the delay {float(a):.6g}, or at two delays "
+                "that agree to 30 digits"
             )
     windows: list[tuple[Enclosure, Enclosure | None]] = []
     total, since = unstable, start

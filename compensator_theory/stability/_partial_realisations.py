@@ -75,8 +75,8 @@ def partial_realisation(
     Parameters
     ----------
     markov_parameters : sequence of numbers
-        :math:`h_1, h_2, \ldots`, at least one, symbols allowed; what comes before, the direct part,
-        is not among them.
+        :math:`h_1, h_2, \ldots`, at least one, symbols allowed, without the
+        feedthrough :math:`h_0`.
     variable : str or Symbol
         s, or z for samples of an impulse response.
 

@@ -46,7 +46,7 @@ class StabilitySlab(ExactValue):
     sample : sympy.Rational
         A value inside.
     section : StabilityIntervals or StabilityRegion
-        The stable values of what comes after it, there. In the whole slab there are as many cells,
+        The stable values of the remaining parameters at `sample`. The whole slab has as many cells,
         with ends that move along the boundary curves.
     range : (sympy.Expr or None, sympy.Expr or None)
         `lower` and `upper` as functions of the parameters before it: roots of degree one or two;

@@ -273,7 +273,7 @@ class TransferFunction(System):
         return quotient_of(top / bottom).value()
 
     def compose(self, inner: Operand, variable: str | Symbol | None = None) -> TransferFunction:
-        r"""Put a transfer function in the place of the variable, for instance Tustin's.
+        r"""Put a transfer function in place of the variable, for instance Tustin's.
 
         .. math:: G\Big(\frac{p}{q}\Big) = \frac{\sum_k N_k p^k q^{d-k}}{\sum_k D_k p^k q^{d-k}},
                   \qquad d = \max(\deg N, \deg D)

@@ -192,8 +192,8 @@ def read_run(
 ) -> RunTables | None:
     """The tables of a file joined with what a run overrides, each read once.
 
-    Tables that are known to be `wrong` are left out, and there is no run then; what else is wrong
-    is said. What is `known` of a table is taken in the place of reading it.
+    Tables that are known to be `wrong` are omitted, and the function returns None; other errors are
+    reported. A table in `known` is not read again.
     """
     name = str(override["name"])
     errors = Errors()

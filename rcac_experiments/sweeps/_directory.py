@@ -99,7 +99,7 @@ class Directory:
             with open(self._open(name, os.O_RDONLY), "rb") as file:
                 about = os.fstat(file.fileno())
                 if not stat.S_ISREG(about.st_mode):
-                    raise Damaged("it is no ordinary file")
+                    raise Damaged("it is not a regular file")
                 if about.st_size > at_most:
                     raise Damaged(f"it has {about.st_size} bytes, and at most {at_most} are read")
                 data = file.read(about.st_size)

@@ -104,7 +104,7 @@ def converted(
         raise IllConditionedError(
             "the response of this compensator overflows float64. Scale its states, and its inputs "
             "and "
-            "outputs to like size."
+            "outputs to similar magnitude."
         )
     best = None
     for scale in scales:

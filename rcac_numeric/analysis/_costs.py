@@ -314,7 +314,7 @@ def enclosed_cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) ->
     if n > LARGEST:
         raise IllConditionedError(
             f"float64 does not determine the cost of this loop, and with {n} states ball "
-            "arithmetic takes too long. Scale states and signals to like size."
+            "arithmetic takes too long. Scale states and signals to similar magnitude."
         )
     E, U = maps[0], maps[2]
     for precision in PRECISIONS:
@@ -334,10 +334,10 @@ def enclosed_cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) ->
                 relative = change / float(total.mid()) if total != 0 else 0.0
                 return [float(one.mid()) for one in each], middles, relative
     raise IllConditionedError(
-        "the H2 cost of this loop is decided by rounding: changing each entry of plant and "
-        "compensator by one rounding of float64 can change the cost by as much as the cost "
-        "itself, because poles are too close to the unit circle. Use another compensator, or "
-        "scale states and signals to like size."
+        "float64 does not determine the H2 cost of this loop: poles are so close to the unit "
+        "circle that one rounding of each entry of plant and compensator can change the cost "
+        "by 100 %. Use another compensator, or scale states and signals to similar "
+        "magnitude."
     )
 
 

@@ -51,7 +51,7 @@ def stabilising_solution(
         advice = (
             "The full weight is not positive semidefinite, so a solution may not exist."
             if factor is None
-            else "Scale the states and signals to like size; for scalar signals "
+            else "Scale the states and signals to similar magnitude; for scalar signals "
             "compensator_theory.solve_riccati is exact."
         )
         raise NoSolutionError(

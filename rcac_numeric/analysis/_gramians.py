@@ -40,7 +40,7 @@ def stein_solution(A: Array, Q: Array) -> Array:
     raise IllConditionedError(
         f"X = A X A' + Q has no solution that float64 holds with a residual of rounding, for A of "
         f"{len(A)} states, spectral radius {radius:.6g} and norm {norm(A):.3g}. Scale the states "
-        "and signals to like size, or move the poles away from the unit circle."
+        "and signals to similar magnitude, or move the poles away from the unit circle."
     )
 
 

@@ -39,7 +39,7 @@ class Drift:
 
     def __str__(self) -> str:
         verdict = "has converged" if self.is_converged else "is STILL MOVING"
-        moved = f"it moved by {self.relative:.2g} of its size from step {self.start} on"
+        moved = f"relative change {self.relative:.2g} from step {self.start} on"
         return f"theta {verdict}: {moved}"
 
 

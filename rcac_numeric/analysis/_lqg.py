@@ -253,7 +253,7 @@ def _verified(design: LQG) -> LQG:
             f"the loop of this LQG controller costs {design.cost.value:.6g}, its Riccati solutions "
             f"say {design.cost_from_riccati:.6g}: rounding decides (condition of the regulator "
             f"{design.regulator.condition:.1e}, of the estimator {design.estimator.condition:.1e})."
-            " Scale states and signals to like size."
+            " Scale states and signals to similar magnitude."
         )
     return design
 
@@ -269,7 +269,7 @@ def weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
         largest = max(np.abs(E).max(initial=0.0) for E in (E_1, E_2))
         raise InputError(
             f"the squares of the entries of E_1, E_2, D_1 or D_2 are beyond float64 (the largest "
-            f"entry is {largest:.3g}); scale z and w to like size."
+            f"entry is {largest:.3g}); scale z and w to similar magnitude."
         )
     return weights
 

@@ -37,8 +37,8 @@ def is_schur_stable(A: Array, uncertainty: Array | None = None) -> bool:
         return decision
     if uncertainty is not None or len(A) > LARGEST:
         raise IllConditionedError(
-            f"whether the eigenvalues of a {len(A)} x {len(A)} matrix are inside the unit circle "
-            "is decided by rounding. Scale the states to like size, or use exact data."
+            f"float64 does not determine whether the eigenvalues of a {len(A)} x {len(A)} matrix "
+            "are inside the unit circle. Scale the states to similar magnitude, or use exact data."
         )
     return counted_stable(rational(A))
 

@@ -27,7 +27,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """Yield a temporary file that replaces `path` when the block ends without an error.
 
     Whatever happens in between, a full disk, an exception or a kill, the file that was there
-    stays whole. What is no ordinary file, such as a pipe, is written to as it is.
+    stays whole. A pipe or a device is written to directly.
 
     A process that is killed cannot remove its new file, hidden under the name
     ``.STEM.rcac-XXXXXXXX.SUFFIX``. The next one that writes the same file does, if nobody holds
@@ -82,7 +82,7 @@ def _require_kind(path: Path, is_kind: Callable[[int], bool], kind: str) -> None
     with suppress(FileNotFoundError):
         if not is_kind(os.lstat(path).st_mode):
             raise InputError(
-                f"{path} is no ordinary {kind}, and is written neither to nor through. Remove it, "
+                f"{path} is not a regular {kind} and is not written. Remove it, "
                 "or give another folder."
             )
 
@@ -167,7 +167,7 @@ def require_readable(file: Path) -> None:
     except ValueError as error:  # a null character in the path
         raise InputError(f"{str(file)!r} cannot be read: {error}.") from None
     if not file.is_file():
-        raise InputError(f"{file} cannot be read: it is no ordinary file.")
+        raise InputError(f"{file} cannot be read: it is not a regular file.")
     if size == 0:
         raise InputError(f"{file} is empty.")
     if size > MOST_BYTES:

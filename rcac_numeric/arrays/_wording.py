@@ -40,10 +40,10 @@ def shortened(text: str, at_most: int = 400) -> str:
 def spreadsheet_text(text: str) -> str:
     """Return the text as a spreadsheet cell that cannot be a formula.
 
-    Control characters and ends of lines are written out. What begins with =, +, - or @ in any
-    width, spaces, quotes and what is not seen passed over, gets an apostrophe in front of that
-    character; so does what stands behind a semicolon, a bar or a tabulator, where the
-    spreadsheets of some countries begin a new cell. A text that is a plain number stays.
+    Control characters and ends of lines are written out. A cell that begins with =, +, - or @
+    in any width, after spaces, quotes and invisible characters, gets an apostrophe in front of that
+    character; so does the text after a semicolon, a bar or a tabulator, where the spreadsheets
+    of some countries begin a new cell. A text that is a plain number stays.
     """
     plain = in_a_line(text)
     if NUMBER.fullmatch(plain):

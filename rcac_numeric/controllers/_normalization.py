@@ -53,7 +53,7 @@ class Normalization:
     Notes
     -----
     Source: the five functions of the RCAC class of the PX4 fork by Goel and others, with its mu as
-    limit and its nu as slope (both 1 there; its arctan has nu in the place of the outer mu), and
+    limit and its nu as slope (both 1 there; its arctan has nu in place of the outer mu), and
     z/(1 + nu abs(z)) of rcacESC.
 
     Examples

@@ -285,7 +285,7 @@ def settings_with_numbers(
     """Return a copy with other R_theta, lambda, R_z, R_u, theta_0, k_w and k_update.
 
     The other checks do not depend on these numbers and are not repeated.
-    None where one stands in the place of what is no number; k_w and k_update may be left out.
+    Return None where a number would replace a function, a signal or an array.
     """
     update, l_z = settings.update, settings.target.l_z
     changed: dict[str, Any] = {}

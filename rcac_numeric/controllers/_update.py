@@ -54,7 +54,7 @@ def weight(value: ArrayLike | PriorSamples, name: str, *, definite: bool = False
     if isinstance(value, PriorSamples):
         if definite:
             return cast(float, value)
-        raise InputError(f"{name}: PriorSamples stands in the place of R_theta alone.")
+        raise InputError(f"{name}: PriorSamples stands in place of R_theta alone.")
     array = real_array(value, name)
     size = len(array) if array.ndim else 1
     checked = constant_weight(array, name, size, definite=definite)

@@ -109,9 +109,9 @@ class AppliedChange(Result):
     k : int
         The first step with it.
     change : ControllerChange
-        What was asked for.
+        The requested change.
     covariance : str
-        What became of P: as asked for, or "reset" in the place of "blend" where the number of NMP
+        Treatment of P: as requested, or "reset" in place of "blend" where the number of NMP
         zeros of the target model changed or nothing of the past was left; empty without a target.
     distance : float
         How far the filtered signals moved over the last 64 steps, ``sum |new - old|^2`` over

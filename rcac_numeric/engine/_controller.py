@@ -75,10 +75,11 @@ class Controller:
     Parameters
     ----------
     settings : ControllerSettings
-        With `DataDriven` in the place of a target model it learns as in `simulate`, bit for bit.
+        With `DataDriven` as `target` the controller learns the target model as in `simulate`, bit
+        for bit.
     supervision : Supervision, optional
-        What watches it, and acts in trouble; by default troubles are noted, in `record`,
-        windup and overflow with a `SupervisionWarning`, and the plant is never left without a u.
+        Supervision of the controller. By default the controller notes faults in `record`, warns of
+        windup and overflow (`SupervisionWarning`), and returns a finite u at every step.
 
     limits : ControlLimits, optional
         Of u and of its change, kept by the controller itself.

@@ -251,7 +251,7 @@ class Run(Value):
         Raises
         ------
         InputError
-            Where the file cannot be written, or the run is of a class derived from this one.
+            Where the file cannot be written, or the run is of a subclass of `Run`.
         """
         if type(self) is not Run:
             raise InputError(f"a {type(self).__name__} cannot be saved; a Run can.")
@@ -297,18 +297,18 @@ def load_run(
     ----------
     path : path
     plant, settings : optional
-        Where they are made of Python functions, which a file cannot hold: those of the run.
+        The plant and the settings of the run, required where they hold Python functions, which a
+        file cannot hold.
 
     Raises
     ------
     InputError
-        Where the file cannot be read, holds no run or more than is read, is damaged, or holds what
-        no run can be.
+        Where the file cannot be read, is too large, is damaged, or holds no valid run.
 
     Notes
     -----
-    Nothing of the file is executed, and functions come from `plant` and `settings` alone. The
-    checksum finds damage; it does not say who wrote the file.
+    The file holds data only: no code in it is executed. Python functions of the plant or the
+    settings come from the arguments. The checksum detects damage, not another author.
 
     Examples
     --------

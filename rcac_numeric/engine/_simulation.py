@@ -66,8 +66,7 @@ def simulate(
     divergence_limit : float, optional
         The loop counts as diverged where an entry of u, y, z, x or theta exceeds it in size. By
         default 1e15 times the largest entry of w and x_0, those of the runs before `start` too, or
-        1e15 if that is more: in a signal of that size float64 holds no digit of what comes from
-        outside.
+        1e15 if that is more: in a signal of that size float64 holds no digit of w.
     saturation : Saturation, optional
     start : SavedState, optional
         The state of an earlier run with the same plant, settings and saturation; this run goes on

@@ -65,8 +65,8 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
         size = h * float(np.abs(A).max())
         raise InputError(
             f"exp(h A) was not enclosed with {MOST_BITS} bits: h A has an entry of {size:.3g}. "
-            "Scale the states to like size, or remove modes that are that much faster than the "
-            "sampling."
+            "Scale the states to similar magnitude, or remove modes that are that much faster than "
+            "the sampling."
         )
     if not np.isfinite(both).all():
         fastest = float(np.linalg.eigvals(A).real.max(initial=0.0))

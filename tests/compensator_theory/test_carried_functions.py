@@ -1,9 +1,9 @@
 """Functions of symbols in both arguments: what is answered is right at numbers, at every function.
 
-Each pair of functions is put in the place of two factors of a call that is known to be good. The
+Each pair of functions is put in place of two factors of a call that is known to be good. The
 answer, at a point where the functions have rational values, is that of the call with these rational
 numbers, which nothing of what carries functions decides; or, where an answer is normalised other
-with symbols, that of the call with four symbols in the place of the functions.
+with symbols, that of the call with four symbols in place of the functions.
 """
 
 import pickle
@@ -83,7 +83,7 @@ def marked(value, factor):
 
 
 def put(value, factors):
-    """The functions, or their values, in the place of both."""
+    """The functions, or their values, in place of both."""
     if isinstance(value, dict):
         return {key: put(part, factors) for key, part in value.items()}
     if type(value) in (list, tuple):

@@ -208,10 +208,10 @@ def test_members_of_a_folder_are_written_neither_to_nor_through_a_link(places):
             assert (received / "a.c").read_text() == "ours"
         else:
             make(received / "a.c", ours / "notes.txt")
-            with pytest.raises(InputError, match="no ordinary file"):
+            with pytest.raises(InputError, match="not a regular file"):
                 _files.member(received, "a.c")
             (received / "src").symlink_to(ours)
-            with pytest.raises(InputError, match="no ordinary folder"):
+            with pytest.raises(InputError, match="not a regular folder"):
                 _files.member(received, "src/a.c")
         assert outside(ours) == before, kind
     with pytest.raises(InputError, match=r"\.\."):
@@ -224,7 +224,7 @@ def test_members_of_a_folder_are_written_neither_to_nor_through_a_link(places):
 def test_kept_cases_and_pages_are_members(places):
     received, ours = places
     (received / "index.html").symlink_to(ours / "notes.txt")
-    with pytest.raises(CompensatorError, match="no ordinary file"):
+    with pytest.raises(CompensatorError, match="not a regular file"):
         reproduce([], received)
     assert outside(ours) == {"notes.txt": b"mine\n"}
     assert CompletedCases(received)

@@ -195,7 +195,7 @@ def test_nothing_is_unpickled(tmp_path):
 
 def test_devices_and_endless_names(tmp_path):
     (tmp_path / "zero.csv").symlink_to("/dev/zero")
-    with pytest.raises(CompensatorError, match="no ordinary file"):
+    with pytest.raises(CompensatorError, match="not a regular file"):
         read_variables(tmp_path / "zero.csv")
     wide = tmp_path / "wide.csv"
     width = 300_000

@@ -41,7 +41,7 @@ def test_what_is_no_experiment(file, content, message):
 
 
 def test_a_file_without_end_is_not_read_to_its_end():
-    with pytest.raises(InputError, match="no ordinary file"):
+    with pytest.raises(InputError, match="not a regular file"):
         read_file("/dev/zero")
 
 

@@ -85,7 +85,7 @@ def test_an_integral_counts_as_a_slow_lag():
         (lambda: rn.PriorSamples(10, np.ones(100), np.ones(99)), "u is not"),
         (
             lambda: rn.UD(1.0, process_noise=rn.PriorSamples(10, 1.0)),
-            "in the place of R_theta alone",
+            "in place of R_theta alone",
         ),
         (lambda: weight_of(rn.iir(2), rn.PriorSamples(10, [1.0, 2.0])), "2 components"),
         (lambda: weight_of(rn.feedforward(2), rn.PriorSamples(10, 1.0)), "reads r"),
