@@ -42,7 +42,8 @@ class DerivedSignal:
 
     s(k) = pole s(k-1) + now [y; r](k) + before [y; r](k-1), held within +-limit
 
-    Pole 1 and before = 0 integrate, (6.5); pole 0 and before = -now take the difference, (2.61).
+    Pole 1 and before = 0 integrate, (6.5); pole 0 and before = -now take the difference, (2.61);
+    pole p in (0, 1), now = 1 - p and before = 0 are a low-pass filter of gain 1.
     A limit on an integrator is the anti-windup that published RCAC runs: its state is clamped at
     every step.
 
