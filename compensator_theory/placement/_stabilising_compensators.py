@@ -232,7 +232,9 @@ class StabilisingCompensators(ExactValue):
             *(x.free_symbols for x in (parameter.A, parameter.C, parameter.D))
         )
         if any(is_operator(symbol) and symbol != plant.variable for symbol in symbols):
-            raise InputError(f"the parameter {Q} is not in {plant.variable}, the plant is")
+            raise InputError(
+                f"the parameter {Q} must be in {plant.variable}, the variable of the plant"
+            )
         return parameter
 
     def __str__(self) -> str:

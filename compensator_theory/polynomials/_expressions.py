@@ -344,8 +344,8 @@ def _named(name: str) -> Expr:
         raise InputError("'i' is ambiguous; write the imaginary unit as j or I, or as in 2i")
     if keyword.iskeyword(name):
         raise InputError(
-            f"{name!r} is a word of Python, and no name for a symbol; write it otherwise, as in "
-            "lamda or lambda_1"
+            f"{name!r} is a reserved word of Python and cannot name a symbol; use another name, "
+            "as in lamda or lambda_1"
         )
     if "__" in name or name.startswith("_"):
         raise InputError(f"{_short(name)} is not a name for a symbol; use letters and digits")

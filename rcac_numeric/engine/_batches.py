@@ -79,9 +79,9 @@ def simulate_many(
 
         Sums are then taken in another order than in `simulate`, and neither order is the more
         accurate. Two runs differ by what the loop makes of relative changes of its data at every
-        step by 4 (l_theta + n + l_w + 8) * 2.2e-16 or less. Where that is much, as in a loop that
-        grows without bound or with data that leave theta open (`Run.guard_count`), the digits of
-        `simulate` are as uncertain.
+        step by 4 (l_theta + n + l_w + 8) * 2.2e-16 or less. A loop that grows without bound,
+        or data that do not determine theta (`Run.guard_count`), amplify these changes; the result
+        of `simulate` then has the same uncertainty.
 
         Eligible is: one controller with ``update = UD(R_theta, lambda_)``, a number each, in the
         predictor form, without process_noise, reset, stop_where_unsupported, freeze,
