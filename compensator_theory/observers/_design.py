@@ -114,9 +114,11 @@ class ObserverBasedCompensator(ExactValue):
             return None
         residual = flint.fmpq_mat(1, 1, [int(D * bottom - N * top != goal)])
         proof = certificate_of("D D_c - N N_c = p_R p_O", [from_flint(residual)], "compensator")
-        sides = (from_flint_polynomial(p, self.plant.variable) for p in (top, bottom))
+        numerator, denominator = (
+            from_flint_polynomial(p, self.plant.variable) for p in (top, bottom)
+        )
         period = self.plant.sample_time
-        return TransferFunction(*sides, sample_time=period, certificate=proof)
+        return TransferFunction(numerator, denominator, sample_time=period, certificate=proof)
 
     def _spectra_hold(self) -> bool:
         """Tell whether both gains place the polynomials that stand beside them."""

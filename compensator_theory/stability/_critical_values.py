@@ -208,8 +208,10 @@ def _enclosures_of_roots(factor: Poly, precision: int) -> list[Enclosure]:
 
 def _real_values(factor: Poly, count: int) -> list[Expr]:
     """Return so many real roots, ascending; SymPy factors the polynomial for the first alone."""
-    values = [real_root(factor, 0)] if count else []
-    scale, first = values[0].as_coeff_Mul() if count else (None, None)
+    values: list[Expr] = [real_root(factor, 0)] if count else []
+    if not count:
+        return values
+    scale, first = values[0].as_coeff_Mul()
     for index in range(1, count):
         indexed = isinstance(first, sympy.CRootOf)
         values.append(

@@ -433,11 +433,11 @@ def _norm_in_balls(N: Poly, D: Poly, factor: Poly) -> flint.fmpq_poly:
         if not math.isfinite(size):
             return None
         bits = int(1.45 * size) + start  # of the longest coefficient, and some more
-        if (balls := refined_balls(w, balls, bits)) is None:
+        if (refined := refined_balls(w, balls, bits)) is None:
             return None
         with ball_precision(bits):
             top, bottom = flint.acb_poly(above), flint.acb_poly(below)
-            parts = [flint.acb_poly([top(ball), bottom(ball)]) for ball in balls]
+            parts = [flint.acb_poly([top(ball), bottom(ball)]) for ball in refined]
             while len(parts) > 1:
                 pairs = [a * b for a, b in zip(parts[::2], parts[1::2], strict=False)]
                 parts = pairs + parts[len(parts) & ~1 :]

@@ -13,6 +13,7 @@ from flint import fmpq, fmpq_mat
 from numpy.typing import ArrayLike
 
 from compensator_theory import figures
+from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import IllConditionedError, InputError, NoSolutionError
 from compensator_theory.stability._bounded_real_lemma import GainBound
 from rcac_numeric.analysis._ellipsoids import largest_for_matrices, responses_on_grid
@@ -25,7 +26,7 @@ from rcac_numeric.analysis._regressor_system import (
 )
 from rcac_numeric.analysis._stability import is_schur_stable
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import notebook_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of, number, one_of
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._bounds import CertifiedBounds, coefficient_names
@@ -267,8 +268,9 @@ class CertifiedSet(Result):
 
         return plot_certified_set(self, width=width)
 
+    @in_few_lines
     def __str__(self) -> str:
-        return self.report()
+        return summary_of(self._sheet())
 
     def __repr__(self) -> str:
         names = ", ".join(member.name for member in self.members)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
+from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
 from compensator_theory.matrices._definiteness import pivots_are_positive
 from compensator_theory.polynomials._ball_precision import ball_precision
@@ -28,7 +29,7 @@ from rcac_numeric.analysis._ellipsoids import (
 )
 from rcac_numeric.analysis._regressor_system import exact, rational_matrix, regressor_system
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._showing import report_of
+from rcac_numeric.arrays._showing import report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -101,8 +102,9 @@ class CertifiedTail(Result):
         """Return the report: from which step on the loop is proved stable, or why not."""
         return report_of(self._sheet())
 
+    @in_few_lines
     def __str__(self) -> str:
-        return self.report()
+        return summary_of(self._sheet())
 
     def __repr__(self) -> str:
         return f"CertifiedTail(k0={self.k0}, steps {self.start} to {self.stop - 1})"

@@ -269,7 +269,8 @@ def check_controller(
         What differs from u = Phi theta in the program that wrote the log, as for
         `ControllerLog.converted` and `replay`: "-y, y first" for instance.
     u_limits : (low, high) or Saturation, optional
-        Limits of the actuator; the plant receives u within them.
+        Limits of the actuator; the plant receives u within them. By default those of a Run, if its
+        saturation has no rate.
 
     Returns
     -------
@@ -305,6 +306,8 @@ def check_controller(
     is_fixed |= compensator is not None
     if isinstance(u, Run):
         arguments = arguments_of_run(u)
+        if u_limits is None and u.saturation is not None and u.saturation.rate is None:
+            u_limits = u.saturation
         u = arguments["log"]
         plant = arguments.get("plant") if plant is None else plant
         target = arguments.get("target") if target is None else target

@@ -135,8 +135,7 @@ class ConventionSearch(Result):
                 close = f"; closest, with {self.closest.replay.worst:.2g}: {self.closest}"
             return (
                 f"The log does not contain u = {controller} under any of {self.tried} conventions: "
-                f"{misfit}{close}. Check the structure, n_c, k_c, k_w and the columns of the log, "
-                "and that u is the computed one, without dither."
+                f"{misfit}{close}. Is u the computed one, without dither?"
             )
         first = self.matches[0]
         size = f"worst relative difference {first.replay.worst:.2g}"
@@ -342,7 +341,8 @@ class _Screen:
                 for past, read, size in self._parts(phi, order.positions(self.structure)):
                     moving = size > MOVING * np.median(size)
                     computed = signs[:, 0] * past + signs[:, 1] * read
-                    residual = np.sort((np.abs(self.u - computed) / size)[:, moving], axis=1)
+                    with np.errstate(over="ignore"):  # an infinite residual is the worst one
+                        residual = np.sort((np.abs(self.u - computed) / size)[:, moving], axis=1)
                     places = [int(q * residual.shape[1]) for q in QUANTILES]
                     score = np.minimum(score, residual[:, places].T)
                 best.append(score)

@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 
+from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._rounding import Rounding, rounding_of
@@ -144,6 +145,7 @@ class LogContents(Result):
         """The columns, the clock, and what would be used, as text."""
         return report_of(self._sheet())
 
+    @in_few_lines
     def __str__(self) -> str:
         return self.report()
 

@@ -169,8 +169,17 @@ def replay_arguments(draw):
 
 
 ARX = {"R_theta": 1e-3, "forgetting_factor": 0.99}
+
+
+def arx(draw):
+    """Arguments of a recursive ARX model with one or two inputs and outputs."""
+    order, l_u, l_y = draw(st.integers(1, 6)), draw(st.integers(1, 2)), draw(st.integers(1, 2))
+    theta_0 = np.zeros(order * (l_u + l_y))
+    return {"order": order, **ARX, "l_u": l_u, "l_y": l_y, "target": 0, "theta_0": theta_0}
+
+
 FUNCTIONS = {
-    "arx": lambda draw: {"order": draw(st.integers(1, 6)), **ARX},
+    "arx": arx,
     "mu_markov": lambda draw: {
         "mu": draw(st.integers(1, 6)), "n_mod": draw(st.integers(0, 3)), **ARX
     },

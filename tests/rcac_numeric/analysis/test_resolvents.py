@@ -70,7 +70,7 @@ def test_changes_of_sign_are_those_between_all_values_above_rounding(seed, sizes
         signs = np.sign(value[kept])
         return [(kept[i], kept[i + 1]) for i in np.flatnonzero(signs[1:] != signs[:-1])]
 
-    _told = _boundaries._told_from_rounding(omega, value, lambda points: shares[points.astype(int)])
+    _told = _boundaries._above_rounding(omega, value, lambda points: shares[points.astype(int)])
     every = np.flatnonzero(np.abs(value) > shares)
     assert changes(_told) == changes(every)
 

@@ -71,6 +71,10 @@ DOORS = {
             PLANT, FixedController(Compensator(GAIN.past_u, GAIN.past_y, h)), W),
         "h2_cost": lambda h, path: rcac.h2_cost(PLANT, Compensator(GAIN.past_u, GAIN.past_y, h)),
     },
+    "ControllerLog": {
+        "check_controller": lambda h, path: rcac.check_controller(
+            rcac.ControllerLog(RUN.u, RUN.y, sample_time=h), compensator=GAIN, plant=PLANT),
+    },
     "Compensator.to_control": {"itself": lambda h, path: GAIN.to_control(h)},
     "Plant": {
         "schedule": lambda h, path: PlantSchedule([
@@ -79,7 +83,9 @@ DOORS = {
         ]),
     },
 }  # fmt: skip
-RESULTS = {"Margins"}  # only made by the functions above
+# Made by functions, or in seconds alone: with nothing to compare. A log's stamps beside
+# `sample_time` are in signals/test_clock.py.
+RESULTS = {"Margins", "Clock", "ProcessModel", "identify_process", "read_log"}
 CASES = [(door, name) for door, cases in DOORS.items() for name in cases]
 
 
