@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -134,6 +134,8 @@ class CertifiedSet(Result):
     Source: small gain with one storage function (strict bounded real lemma) for the intercalated
     injection (4.14)-(4.18). Along a direction of `dependent` stability needs no bound.
     """
+
+    _REST: ClassVar[str] = "report() has all of it"
 
     structure: Structure
     fixed: Compensator | None

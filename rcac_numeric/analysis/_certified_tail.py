@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from flint import arb, arb_mat
@@ -69,6 +69,8 @@ class CertifiedTail(Result):
     earlier : tuple of CertifiedTail
         The same for the plants before, where the plant changes.
     """
+
+    _REST: ClassVar[str] = "report() has all of it"
 
     start: int
     stop: int

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -112,6 +112,8 @@ class LogContents(Result):
     unread : str
         Why `read_log` refuses the log as it is; empty if it reads it.
     """
+
+    _REST: ClassVar[str] = "report() has all of it"
 
     source: str
     format: str

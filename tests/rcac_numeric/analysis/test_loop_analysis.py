@@ -148,7 +148,7 @@ def test_reports_begin_with_stability(run):
     assert "NOT" not in str(unstable)  # all poles of 1/q at zero ask for no poles
     gain = run.compensator.past_y * 3
     worse = type(run.compensator)(past_u=run.compensator.past_u, past_y=gain)
-    lines = str(compare_exactly(run.plant, worse, run.settings.target)).splitlines()
+    lines = compare_exactly(run.plant, worse, run.settings.target).report().splitlines()
     assert "UNSTABLE" in lines[1] and "NOT reached" in lines[2]
     assert "UNSTABLE" in LoopAnalysis((run.plant, worse)).report().splitlines()[1]
     assert "completed after 100 steps" in LoopAnalysis(run).report().splitlines()[0]
