@@ -8,12 +8,12 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._rounding import roundings_of
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result, replaced
 from rcac_numeric.checks._conventions import Convention, convention_of
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._regressor import regressor, require_fit
-from rcac_numeric.checks._resolution import resolutions_of
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._regressor import regressor_of
 from rcac_numeric.controllers._structure import Structure
@@ -332,7 +332,7 @@ class LogErrors:
         self.log, self.tolerance = log, tolerance
         names = ("u", "y", "z", "r", "theta")
         values = {name: getattr(log, name) for name in names}
-        self.digits = resolutions_of({n: v for n, v in values.items() if v is not None})
+        self.roundings = roundings_of({n: v for n, v in values.items() if v is not None})
         self.signals: dict[str, Array | None] = {
             name: None if value is None else self._error(name, value)
             for name, value in values.items()
@@ -342,8 +342,8 @@ class LogErrors:
         is_measured = name in ("y", "z", "r")
         parts = [values] if values.ndim == 1 else list(values.T)
         bounds = [
-            one.error(part, is_measured=is_measured)
-            for one, part in zip(self.digits[name], parts, strict=True)
+            one.error(part, with_step=not is_measured)
+            for one, part in zip(self.roundings[name], parts, strict=True)
         ]
         return bounds[0] if values.ndim == 1 else np.column_stack(bounds)
 
@@ -370,8 +370,8 @@ class LogErrors:
         """The relative rounding of an addition in the arithmetic that the numbers show."""
         if self.tolerance is not None:
             return 0.0
-        names = ("u", "theta") if "theta" in self.digits else ("u",)
-        return max(one.sum_unit for name in names for one in self.digits[name])
+        names = ("u", "theta") if "theta" in self.roundings else ("u",)
+        return max(one.sum_unit for name in names for one in self.roundings[name])
 
     def require_steps(self, start: int) -> None:
         """Raise an error if no step from `start` on was logged."""
@@ -422,10 +422,10 @@ class LogErrors:
         )  # fmt: skip
 
     def _words(self, of: str) -> str:
-        names = [n for n in ("u", "y", "r", "theta") if n in self.digits]
+        names = [n for n in ("u", "y", "r", "theta") if n in self.roundings]
         words = []
         for name in names:
-            kinds = list(dict.fromkeys(str(d) for d in self.digits[name] if not d.is_exact))
+            kinds = list(dict.fromkeys(str(d) for d in self.roundings[name] if not d.is_exact))
             if kinds and (name != "theta" or of == "theta"):
                 words.append(f"{name} {' or '.join(kinds)}")
         return ", ".join(words)

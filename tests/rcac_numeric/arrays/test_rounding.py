@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric.arrays._rounding import Rounding, rounding_of
+from rcac_numeric.arrays._rounding import Rounding, rounding_of, roundings_of
 from tests.support.strategies import seeds
 
 pytestmark = pytest.mark.exact_data  # the very digits are what is tested
@@ -29,6 +29,26 @@ def test_the_error_of_both_roundings_is_bounded(seed, form, kind):
     rounding = rounding_of(logged)
     bound = rounding.error(logged) * (1 + 1e-6) + 2.0**-24 * np.abs(values)
     assert (np.abs(logged - values) <= bound).all(), str(rounding)
+
+
+@given(seeds, st.sampled_from(["%.2f", "%.4f", "%.5g", "%.3e", "%.17g"]), st.integers(-3, 3))
+def test_the_error_of_numbers_of_one_size_is_bounded(seed, form, exponent):
+    """The decimals of numbers below 0.1 are not taken for significant digits."""
+    values = 10.0**exponent * np.random.default_rng(seed).standard_normal(200)
+    logged = printed(values, form)
+    rounding = rounding_of(logged)
+    if np.unique(np.abs(logged)).size > 10 and rounding.number_format != "integer":
+        error = rounding.error(logged, with_step=True)
+        assert (np.abs(logged - values) <= error * (1 + 1e-9) + 1e-15).all(), str(rounding)
+
+
+@given(seeds)
+def test_the_error_of_single_precision_is_bounded(seed):
+    values = 10 * np.random.default_rng(seed).standard_normal(200)
+    logged = values.astype(np.float32).astype(float)
+    rounding = rounding_of(logged)
+    assert rounding.sum_unit == 2.0**-24
+    assert (np.abs(logged - values) <= rounding.error(logged) * (1 + 1e-9)).all(), str(rounding)
 
 
 @given(seeds, st.sampled_from(["%.9g", "%.10g", "%.12g", "%.15g", "%.17g"]))
@@ -59,6 +79,48 @@ def test_the_step_of_a_converter_is_found_through_printed_decimals(seed, places,
         return
     assert rounding.quantum == pytest.approx(step, abs=2 * 10.0**-places / np.ptp(levels))
     assert (rounding.error(logged, with_step=True) >= step / 2 * 0.99).all()
+
+
+@given(seeds, st.sampled_from([1.0, 0.0123, 5 / 1024]), st.sampled_from([None, 4, 6]))
+def test_a_converter_rounds_a_measurement_before_it_is_read_and_u_after(seed, step, decimals):
+    counts = np.random.default_rng(seed).integers(-500, 500, 400)
+    logged = step * counts + 0.25
+    if decimals is not None:
+        logged = np.round(logged, decimals)
+    rounding = rounding_of(logged)
+    assert np.isclose(rounding.step, step, rtol=1e-3)
+    assert (rounding.error(logged, with_step=True) >= step).all()
+    assert (rounding.error(logged) < step / 10).all()
+
+
+@given(seeds, st.integers(1, 9), st.integers(1, 5))
+def test_levels_of_a_few_units_of_the_last_decimal_are_found(seed, every, places):
+    """Multiples of 0.02 or 0.05 with two decimals; ordinary decimals have no levels."""
+    counts = np.append(np.random.default_rng(seed).integers(-499, 500, 400), [0, 1])
+    logged = printed(every * 10.0**-places * counts, f"%.{places}f")
+    assert rounding_of(logged).quantum == pytest.approx(every * 10.0**-places)
+    assert bool(rounding_of(logged).step) == (every > 1)
+
+
+@given(seeds, st.sampled_from([18, 20, 24]))
+def test_the_levels_of_a_fine_converter_are_found(seed, bits):
+    """Of 24 bits, too, and not taken for the spacing of a floating-point format."""
+    step = 10.0 / 2**bits
+    counts = np.random.default_rng(seed).integers(-(2 ** (bits - 1)), 2 ** (bits - 1), 20_000)
+    counts[:2] = 0, 1
+    assert np.isclose(rounding_of(step * counts).step, step, rtol=1e-6)
+
+
+@given(seeds, st.sampled_from(["%.4f", "%.5g", "%.9g"]))
+def test_a_column_of_few_numbers_has_the_digits_of_its_signal_or_of_another(seed, form):
+    y = printed(np.random.default_rng(seed).standard_normal(200), form)
+    theta = np.column_stack([printed(np.sin(np.arange(200.0)), form), np.tile([0.25, 0.5], 100)])
+    constant = np.full(200, 0.5)
+    known = roundings_of({"y": y, "theta": theta, "u": constant, "r": np.zeros(200)})
+    assert known["theta"][0] == rounding_of(theta[:, 0])
+    assert known["theta"][1] == rounding_of(theta)
+    assert known["u"][0].printing == known["y"][0].printing != "exact"
+    assert known["r"][0].is_exact
 
 
 @given(seeds, st.integers(8, 20))

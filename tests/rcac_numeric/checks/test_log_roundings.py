@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from compensator_theory.errors import InputError
 from rcac_numeric import ControllerLog, check_controller, iir, replay
 from rcac_numeric.arrays._values import replaced as replace
-from rcac_numeric.checks._resolution import resolution_of
 from tests.support.strategies import seeds
 
 pytestmark = pytest.mark.exact_data  # how many digits they have is what is tested
@@ -65,38 +64,6 @@ def test_the_more_digits_the_less_is_left_open(seed):
         tolerances.append(replay(ControllerLog(**written), iir(n_c=2)).tolerance)
     assert tolerances == sorted(tolerances, reverse=True)
     assert tolerances[-1] == 1e-9 and 1e-5 < tolerances[1] < 1e-2
-
-
-@given(seeds, st.sampled_from(sorted(WRITERS)))
-def test_the_error_of_a_number_is_bounded(seed, writer):
-    values = 10 * np.random.default_rng(seed).standard_normal(200)
-    written = rounded(values, writer)
-    resolution = resolution_of(written)
-    assert (np.abs(written - values) <= resolution.error(written) * (1 + 1e-9)).all(), str(
-        resolution
-    )
-
-
-@pytest.mark.parametrize(
-    "values",
-    [np.zeros(50), np.ones(50), np.tile([0, 1.0], 50), np.zeros(0),
-     np.array([1e300, -1e-300, 5e-324])],
-)  # fmt: skip
-def test_nothing_is_concluded_from_steps(values):
-    assert resolution_of(values).is_exact
-
-
-@given(seeds, st.sampled_from([1.0, 0.0123, 5 / 1024]), st.sampled_from([None, 4, 6]))
-def test_the_step_of_a_converter_is_found_behind_its_digits(seed, step, decimals):
-    """It rounds what the controller reads before the log does, and u on its way out."""
-    counts = np.random.default_rng(seed).integers(-500, 500, 400)
-    written = step * counts + 0.25
-    if decimals is not None:
-        written = np.round(written, decimals)
-    resolution = resolution_of(written)
-    assert np.isclose(resolution.step, step, rtol=1e-3)
-    assert (resolution.error(written) >= step).all()
-    assert (resolution.error(written, is_measured=True) < step / 10).all()
 
 
 def test_the_report_says_what_is_allowed_and_the_option_decides():
