@@ -263,9 +263,9 @@ def complex_number(value: object, name: str) -> complex:
     return number
 
 
-def one_of(value: str, name: str, choices: Sequence[str]) -> str:
+def one_of(value: str | None, name: str, choices: Sequence[str]) -> str:
     """Return `value` if it is one of `choices`, else raise InputError."""
-    if value not in choices:
+    if value is None or value not in choices:
         raise InputError(
             f"{name} = {_shown(value)} is not known; choose one of {', '.join(choices)}."
         )

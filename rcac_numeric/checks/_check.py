@@ -324,6 +324,7 @@ def check_controller(
         integer(k_w, "k_w")
     known = convention_of(convention)
     has_theta = compensator is None and log.theta is not None and structure is not None
+    written = log  # its roundings are those of the file; a sum of two signals has both
     if has_theta and structure is not None:
         require_fit(log, structure)
         log = log.converted(known, structure)
@@ -338,8 +339,8 @@ def check_controller(
     replayed: ControlReplay | None = None
     is_default = known in (OURS, OWN_U)
     if has_theta and structure is not None:
-        replayer = Replayer(log, structure, k_w=k_w, tolerance=tolerance)
-        replayed = replayer.replay(OWN_U if known.own_u else OURS, limits)
+        replayer = Replayer(written, structure, k_w=k_w, tolerance=tolerance)
+        replayed = replayer.replay(known, limits)
         if not replayed.agrees and is_default:
             conventions = search_conventions(replayer, replayed, limits)
         if log.has_history:
@@ -352,7 +353,7 @@ def check_controller(
         unanswered["convergence"] = reason
         options: dict[str, Any] = {"k_w": k_w, "tolerance": tolerance, "u_limits": u_limits}
         if log.steps > len(fixed.past_u):
-            replayed = replay_compensator(log, fixed, **options)
+            replayed = replay_compensator(written, fixed, convention=known, **options)
             if not replayed.agrees and is_default:
                 conventions = search_signs(log, fixed, replayed, **options)
         else:

@@ -224,8 +224,8 @@ def search_signs(
     ):
         convention = Convention(negative_y=negative, signal=signal)
         replayed = replay_compensator(
-            log.reading(convention), convention.compensator(compensator),
-            k_w=k_w, tolerance=tolerance, u_limits=pair,
+            log, convention.compensator(compensator),
+            k_w=k_w, tolerance=tolerance, u_limits=pair, convention=convention,
         )  # fmt: skip
         found = pair if u_limits is None and not isinstance(pair, Saturation) else None
         replays.append(ConventionMatch(convention, replayed, found))

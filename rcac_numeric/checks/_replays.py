@@ -11,7 +11,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._rounding import roundings_of
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result, replaced
-from rcac_numeric.checks._conventions import Convention, convention_of
+from rcac_numeric.checks._conventions import OURS, Convention, convention_of
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._regressor import regressor, require_fit
 from rcac_numeric.controllers._compensator import Compensator
@@ -298,17 +298,23 @@ def replay_compensator(
     k_w: int | None = None,
     tolerance: float | None = None,
     u_limits: Saturation | tuple[float, float] | None = None,
+    convention: Convention = OURS,
 ) -> ControlReplay:
-    """Replay a compensator that is constant since k_w, by default over the last tenth."""
+    """Replay a compensator that is constant since k_w, by default over the last tenth.
+
+    It reads the signal of the convention.
+    """
     errors, limits = LogErrors(log, tolerance), limits_of_u(log, u_limits)
+    log = log.reading(convention)
     reads_r = log.r is not None and compensator.l_y != log.y.shape[1]
     log, is_after = within(log, errors, limits)
+    bounds = errors.of(convention)
     outputs, terms, bound = (np.zeros_like(log.u) for _ in range(3))
     count = 0
     for name, coefficients, first in (("u", compensator.past_u, 1), ("y", compensator.past_y, 0)):
         names = ("y", "r") if name == "y" and reads_r else (name,)
         signal = np.hstack([getattr(log, each) for each in names])
-        off = np.hstack([error for each in names if (error := errors.signals[each]) is not None])
+        off = np.hstack([error for each in names if (error := bounds[each]) is not None])
         for lag, matrix in enumerate(coefficients, first):
             past = slice(0, max(log.steps - lag, 0))
             outputs[lag:] += signal[past] @ matrix.T

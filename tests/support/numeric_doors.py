@@ -22,6 +22,7 @@ DOORS = {
     "servo_plant": lambda G, v: rcac.servo_plant(G, **({} if v is None else {"variable": v})),
     "stability_margins": lambda G, v: rcac.stability_margins(G, feedback=-1, disk=False),
     "design": lambda G, v: read_plant(G, None, 0.0),  # what it reads with, without its runs
+    "certified_set": lambda G, v: PUBLIC["certified_set"](G, ADAPTIVE).factor,
     "ClosedLoop": lambda G, v: rcac.ClosedLoop(G, LAW),
     "ClosedLoop.compensator": lambda G, v: rcac.ClosedLoop(OWN_PLANT, G),
     "LoopAnalysis": lambda G, v: PUBLIC["LoopAnalysis"]((G, LAW)).loop,
