@@ -61,7 +61,7 @@ class CenteredLoop:
         return float(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0))
 
     def peak(self, K: Array, scale: Array, rate: float) -> float:
-        """Return sup |K' T R^-1/2| on |z| = rate; infinite where a pole lies outside."""
+        """Return sup abs(K' T R^-1/2) on abs(z) = rate; infinite where a pole lies outside."""
         if not self.spectral_radius < rate:
             return np.inf
         C = K.T @ self.C
@@ -69,7 +69,7 @@ class CenteredLoop:
         return hinf_norm((self.A / rate, self.B * scale / rate, C, none))[0]
 
     def responses(self, rate: float) -> ComplexArray:
-        """Return T on a grid of |z| = rate."""
+        """Return T on a grid of abs(z) = rate."""
         return responses_on_grid(self.A / rate, self.B / rate, self.C)
 
 
@@ -101,8 +101,8 @@ class CertifiedMember(Result):
 class CertifiedSet(Result):
     """An ellipsoid of coefficients: theta may move in it in any way, and the loop stays stable.
 
-    {center + factor v, |v| <= 1}. Every sequence theta(k) in it, whatever made it, leaves the loop
-    uniformly exponentially stable on every member, if T(z)* M T(z) < R on the unit circle, with T
+    {center + factor v, abs(v) <= 1}. Every sequence theta(k) in it, whatever made it, leaves the
+    loop uniformly exponentially stable on every member, if T(z)* M T(z) < R on the unit circle, with T
     from the intercalated injection to the regressor in the loop of `center`, and
     factor factor' = M (x) R^-1. `is_verified` proves that in exact arithmetic.
 
@@ -159,7 +159,7 @@ class CertifiedSet(Result):
         return CertifiedBounds(self.center, self.factor)
 
     def radius_of(self, theta: ArrayLike) -> Array:
-        """Return |factor^-1 (theta - center)|: 0 at the center, 1 on the boundary.
+        """Return abs(factor^-1 (theta - center)): 0 at the center, 1 on the boundary.
 
         Parameters
         ----------
@@ -293,7 +293,7 @@ def certified_set(
 ) -> CertifiedSet:
     """Find and prove an ellipsoid around theta_0 in which no motion of theta loses the loop.
 
-    T(z)* M T(z) < R for all |z| = rate, on the nominal plant and on every other one.
+    T(z)* M T(z) < R for all abs(z) = rate, on the nominal plant and on every other one.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ def certified_set(
         "prior": the ellipsoid that is the largest in the metric of P(0) = R_theta^-1, where RCAC is
         going to move: it minimises tr(M^-1 P(0)). "volume": the one of the largest volume.
     rate : float
-        At most 1: |x(k)| decays as rate^k or faster.
+        At most 1: abs(x(k)) decays as rate^k or faster.
 
     Returns
     -------

@@ -273,7 +273,7 @@ def _caps_of_run(thetas: Array, structure: Structure, scale: Array) -> Array:
 
 
 def _squares(K: Array, changes: Array) -> tuple[Array, Array]:
-    """Return |R^1/2 Delta K^-T|^2 of each step, and Delta' w for its left singular vector w."""
+    """Return abs(R^1/2 Delta K^-T)^2 of each step, and Delta' w for its left singular vector w."""
     steps, taps, inputs = changes.shape
     V = np.linalg.solve(K, changes.transpose(1, 0, 2).reshape(taps, -1))
     V = V.reshape(taps, steps, inputs).transpose(1, 2, 0)

@@ -170,7 +170,7 @@ class CoefficientBounds(Value):
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class CertifiedBounds(Value):
-    """theta(k) = center + factor v with |v| <= 1, kept after every update.
+    """theta(k) = center + factor v with abs(v) <= 1, kept after every update.
 
     The ellipsoid (theta - center)' M^-1 (theta - center) <= 1 with M = factor factor'. In the loop
     of theta = center a change of theta is a memoryless gain around T, from the intercalated
@@ -231,7 +231,7 @@ class CertifiedBounds(Value):
             )
 
     def radius_of(self, theta: ArrayLike) -> Array:
-        """Return |factor^-1 (theta - center)|: 0 at the center, 1 on the boundary.
+        """Return abs(factor^-1 (theta - center)): 0 at the center, 1 on the boundary.
 
         Parameters
         ----------
@@ -261,8 +261,8 @@ class CertifiedBounds(Value):
 def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, float]:
     """Return (limit, aim): the computed radius that proves the true one <= 1, and its set point.
 
-    By substitution it has an error of at most (2 l_theta + 4) u cond, cond = | |L^-1| |L| | and
-    u = eps/2 (Higham 2002, theorem 8.5); twice that stays, so that any other check of |v| <= 1
+    By substitution it has an error of at most (2 l_theta + 4) u cond, cond the largest row sum of
+    abs(L^-1) abs(L), u = eps/2 (Higham 2002, theorem 8.5); twice that stays, so that any other check of abs(v) <= 1
     passes too. A projected theta is rounded to the nearest number.
     """
     center, factor = bounds.center, bounds.factor

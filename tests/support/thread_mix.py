@@ -18,7 +18,7 @@ import compensator_theory as exact
 import rcac_numeric as rcac
 from compensator_theory.roots._certified import decided_balls
 from rcac_numeric.plants._zero_order_hold import zero_order_hold
-from rcac_numeric.signals._text_tables import read_table
+from rcac_numeric.signals._text_tables import read_text_columns
 
 LONG = 10**5000 + 7
 PLANT = rcac.standard_plant("(q - 0.5)/(q*(q - 0.9))")
@@ -51,7 +51,7 @@ def written():
 
 def refused():
     try:
-        read_table(EMPTY, named=True)
+        read_text_columns(EMPTY)
     except exact.InputError as error:
         return str(error)
 

@@ -146,7 +146,7 @@ def test_a_jordan_block_whose_computed_poles_are_outside(n):
     try:
         turned = h2_cost(plant, NONE)
     except IllConditionedError as error:
-        assert "decided by rounding" in str(error)
+        assert "float64 does not determine" in str(error)
         return
     if n == 6:
         assert turned.value == pytest.approx(float(oracle(plant, NONE)), rel=1e-9)
