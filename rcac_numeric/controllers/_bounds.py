@@ -262,8 +262,8 @@ def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, f
     """Return (limit, aim): the computed radius that proves the true one <= 1, and its set point.
 
     By substitution it has an error of at most (2 l_theta + 4) u cond, cond the largest row sum of
-    abs(L^-1) abs(L), u = eps/2 (Higham 2002, theorem 8.5); twice that stays, so that any other check of abs(v) <= 1
-    passes too. A projected theta is rounded to the nearest number.
+    abs(L^-1) abs(L), u = eps/2 (Higham 2002, theorem 8.5); twice that stays, so that any
+    other check of abs(v) <= 1 passes too. A projected theta is rounded to the nearest number.
     """
     center, factor = bounds.center, bounds.factor
     size = len(center)
