@@ -102,8 +102,8 @@ class CertifiedSet(Result):
     """An ellipsoid of coefficients: theta may move in it in any way, and the loop stays stable.
 
     {center + factor v, abs(v) <= 1}. Every sequence theta(k) in it, whatever made it, leaves the
-    loop uniformly exponentially stable on every member, if T(z)* M T(z) < R on the unit circle, with
-    T from the intercalated injection to the regressor in the loop of `center`, and
+    loop uniformly exponentially stable on every member, if T(z)* M T(z) < R on the unit circle,
+    with T from the intercalated injection to the regressor in the loop of `center`, and
     factor factor' = M (x) R^-1. `is_verified` proves that in exact arithmetic.
 
     Attributes
