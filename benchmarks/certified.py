@@ -121,8 +121,8 @@ def tightness(count=50):
     """Greedy motions of every structure, servo and standard."""
     cases = []
     for name, (G, options) in DESIGNED.items():
-        found = designed(G, options)
-        cases.append((f"servo: {name}", found.plant, found.settings))
+        result = designed(G, options)
+        cases.append((f"servo: {name}", result.plant, result.settings))
     cases += [(f"standard: {a}", b, c) for a, b, c in map(drawn, range(count))]
     inside, outside, failed = [], [], 0
     for name, plant, settings in cases:
@@ -151,24 +151,24 @@ def families(count=20, first=50_000):
     shares, nominal_shares, seconds, refused = [], [], [], []
     for name, G, late, h in plants:
         try:
-            found = design(G, sample_time=h, dead_time=late, disturbance=Step(1.0), seeds=1,
+            result = design(G, sample_time=h, dead_time=late, disturbance=Step(1.0), seeds=1,
                            steps=1000)  # fmt: skip
         except CompensatorError as error:
             print(f"{name}: no design: {str(error)[:80]}")
             continue
-        l_theta = found.settings.l_theta
+        l_theta = result.settings.l_theta
         if l_theta > 40:
             print(f"{name}: l_theta = {l_theta}, left out")
             continue
         start = time.perf_counter()
         try:
-            region = certified_set(found.plant, found.settings, uncertainty=found.family)
+            region = certified_set(result.plant, result.settings, uncertainty=result.family)
         except CompensatorError as error:
             refused.append(f"{name}: {error}")
             continue
         seconds.append(time.perf_counter() - start)
-        alone = certified_set(found.plant, found.settings)
-        theta = found.runs["RCAC"].theta
+        alone = certified_set(result.plant, result.settings)
+        theta = result.runs["RCAC"].theta
         shares.append(float(region.radius_of(theta).max()))
         nominal_shares.append(float(alone.radius_of(theta).max()))
         print(f"{name}: l {l_theta}, {len(region.members)} plants, {seconds[-1]:.2f} s, share "
@@ -185,10 +185,10 @@ def families(count=20, first=50_000):
 def times():
     """Seconds of the set and of its verification."""
     for late in (0.0, 2.0, 6.0, 12.0, 18.0):
-        found = designed("1/(10*s + 1)", {"dead_time": late, "steps": 100})
-        for uncertainty in (None, found.family):
+        result = designed("1/(10*s + 1)", {"dead_time": late, "steps": 100})
+        for uncertainty in (None, result.family):
             start = time.perf_counter()
-            region = certified_set(found.plant, found.settings, uncertainty=uncertainty)
+            region = certified_set(result.plant, result.settings, uncertainty=uncertainty)
             made = time.perf_counter() - start
             start = time.perf_counter()
             verified = region.is_verified

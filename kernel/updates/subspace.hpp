@@ -11,8 +11,9 @@ namespace rcac {
 // of information forgetting; for one row it is that of Cao and Schwartz 2000):
 //   P <- P + c phi phi',  c = min((1 - lambda_d) / (lambda_d q), max(0, 1/f - 1/q)),
 //   q = phi' P^{-1} phi,  f = phi' P(0)^{-1} phi,  lambda_d = max(1/2, 1 - (l_theta/l_z)(1 - lambda)).
-// The second bound keeps phi' P^{-1} phi >= f: no direction becomes less certain than P(0) says, so
-// that nothing winds up where the data are poor, whatever their scale. lambda_d makes the memory
+// The second bound keeps phi' P^{-1} phi >= f for the row phi itself, so that nothing winds up where
+// the data are poor, whatever their scale. It bounds no eigenvalue: over rows of changing direction
+// the largest one of P may exceed that of P(0). lambda_d makes the memory
 // that of exponential forgetting by lambda where all directions are excited.
 class SubspaceUpdate final : public Update {
 public:

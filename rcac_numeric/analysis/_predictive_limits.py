@@ -134,8 +134,8 @@ def predictive_cost_limit(run: Run) -> PredictiveCostLimit:
     >>> settings = PredictiveCost(
     ...     order=2, horizon=5, Q=2, P=5, problem="servo", R_theta=1e-8)
     >>> run = simulate(plant, settings, exogenous([Step(), Step(0), Step(0)], steps=100))
-    >>> found = predictive_cost_limit(run)
-    >>> found.worst_distance < 1e-3, found.limit.certificate.holds
+    >>> comparison = predictive_cost_limit(run)
+    >>> comparison.worst_distance < 1e-3, comparison.limit.certificate.holds
     (True, True)
     """
     settings = instance_of(run, "run", Run).settings

@@ -156,8 +156,8 @@ def roundings_of(signals: Mapping[str, Array]) -> dict[str, tuple[Rounding, ...]
         own = [_told(part) for part in parts]
         whole = _told(signals[name]) if None in own else None
         known[name] = [whole if one is None else one for one in own]
-    found = {one for row in known.values() for one in row if one is not None}
-    printed = [one for one in found if one.printing != "exact"]
+    roundings = {one for row in known.values() for one in row if one is not None}
+    printed = [one for one in roundings if one.printing != "exact"]
     printed.sort(key=lambda one: (one.places, one.printing, -one.sum_unit, one.number_format))
 
     def rounding(one: Rounding | None, part: Array) -> Rounding:

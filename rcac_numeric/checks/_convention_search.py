@@ -227,8 +227,8 @@ def search_signs(
             log, convention.compensator(compensator),
             k_w=k_w, tolerance=tolerance, u_limits=pair, convention=convention,
         )  # fmt: skip
-        found = pair if u_limits is None and not isinstance(pair, Saturation) else None
-        replays.append(ConventionMatch(convention, replayed, found))
+        fitted = pair if u_limits is None and not isinstance(pair, Saturation) else None
+        replays.append(ConventionMatch(convention, replayed, fitted))
     matches = [one for one in replays if one.replay.agrees]
     without_limits = [one for one in matches if one.u_limits is None]
     closest = None if matches else min(replays, key=lambda one: one.replay.worst)
@@ -382,14 +382,14 @@ def _limited(replayer: Replayer, convention: Convention) -> Iterator[ConventionM
         low, high = float(limits[0][0]), float(limits[1][0])
         for own_u in NO_YES[: 1 + any(tap.signal == "u" for tap in structure.taps)]:
             one = replace(convention, own_u=own_u)
-            found = _between(replayer, one, low, high)
-            if log.steps - found.replay.limited < FREE * structure.l_theta:
+            match = _between(replayer, one, low, high)
+            if log.steps - match.replay.limited < FREE * structure.l_theta:
                 continue
-            if found.replay.agrees:  # a limit that never acts is none
+            if match.replay.agrees:  # a limit that never acts is none
                 sides = [(-np.inf, high), (low, np.inf)]
                 one_sided = [_between(replayer, one, *side) for side in sides]
-                found = next((side for side in one_sided if side.replay.agrees), found)
-            yield found
+                match = next((side for side in one_sided if side.replay.agrees), match)
+            yield match
     lags = [j for j, tap in enumerate(structure.taps) if tap.signal == "u" and tap.delay == 1]
     if structure.l_u > 1 or not lags:
         return

@@ -261,7 +261,7 @@ class CertifiedBounds(Value):
 def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, float]:
     """Return (limit, aim): the computed radius that proves the true one <= 1, and its set point.
 
-    By substitution it has an error of at most (2 l_theta + 4) u cond, cond the largest row sum of
+    By substitution it has an error of at most (2 l_theta + 4) u cond, cond the Frobenius norm of
     abs(L^-1) abs(L), u = eps/2 (Higham 2002, theorem 8.5); twice that stays, so that any
     other check of abs(v) <= 1 passes too. A projected theta is rounded to the nearest number.
     """
@@ -307,7 +307,7 @@ def coefficient_names(structure: Structure) -> tuple[str, ...]:
     >>> coefficient_names(pid("PI")), coefficient_names(fir_integrator(n_c=2))
     (('K_P', 'K_I'), ('Q_1', 'Q_2', 'K_1'))
     """
-    terms = structure.name
+    terms = instance_of(structure, "structure", Structure).name
     if set(terms) <= set("PID") and len(structure.taps) == len(terms) * structure.l_y:
         words = [f"K_{term}" for term in terms for _ in range(structure.l_y)]
     else:

@@ -98,9 +98,10 @@ class SubspaceForgetting:
     so that the information along phi is multiplied by lambda_d, unless it would fall below
     that of P(0). Directions without excitation keep theirs: at rest nothing winds up, whatever the
     scale of the noise, which exponential forgetting does within 1/(1 - lambda) steps. Where all
-    directions are excited the memory is that of exponential forgetting by lambda. R_theta is the
-    lower bound of the information matrix: choose it as large as the excitation permits, for
-    instance 1e-2 of phi'phi over the memory.
+    directions are excited the memory is that of exponential forgetting by lambda. R_theta bounds
+    the information of each row, not the eigenvalues of the matrix, which rows of changing direction
+    may take a little lower: choose it as large as the excitation permits, for instance 1e-2 of
+    phi'phi over the memory.
 
     Sources: subspace of information forgetting; for one row L. Cao and H. Schwartz, A directional
     forgetting algorithm based on the decomposition of the information matrix, Automatica 36 (2000).

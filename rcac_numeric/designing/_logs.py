@@ -37,7 +37,9 @@ from rcac_numeric.identification._process_evidence import (
 from rcac_numeric.identification._process_search import has_hidden_pair
 
 PARTS = 2  # of the log, in each of which the model is fitted again
-SLOW = 20.0  # abs(1 - pole) times the steps of the log: a pole that the log cannot tell from 1
+# A pole that the log cannot distinguish from 1: abs(1 - pole) times its steps is below SLOW, and
+# abs(1 - pole) below CLEAR standard deviations of the pole.
+SLOW, CLEAR = 20.0, 4.0
 ROBUST = 4.0  # Ms of the reference loop with the model of a part
 TRIED = 4  # credible models for which a controller is designed until one passes every gate
 
@@ -85,8 +87,11 @@ class LoggedPlant(Result):
     @property
     def integrates(self) -> bool:
         """Whether a further pole is so near 1 that the log cannot distinguish it from 1."""
-        near = np.abs(1 - np.roots(self.model.denominator)) * len(self.model.residual) < SLOW
-        return int(near.sum()) > self.model.integrators
+        model = self.model
+        distance = np.abs(1 - model.poles)
+        near = distance * len(model.residual) < SLOW
+        near &= ~(distance >= CLEAR * model.pole_deviations)  # near where that is unknown
+        return bool(near[: model.order - model.integrators].any())
 
     @property
     def uncertainty(self) -> Uncertainty:

@@ -79,16 +79,10 @@ def relative_deviation(record: ProcessRecord, fit: ProcessFit, omega: Array) -> 
 
     Where e is not white its spectrum, where it is larger than that of white noise, inflates it.
     """
-    J = fit.jacobian
-    size = np.sqrt(np.einsum("ij,ij->i", J, J))
-    size[size == 0] = 1.0
-    scaled = J / size[:, None]
-    try:
-        covariance = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
-    except np.linalg.LinAlgError:
+    covariance = parameter_covariance(record, fit)
+    if not np.isfinite(covariance).all():
         return np.full(len(omega), np.inf)
     n, m = fit.order, len(fit.B)
-    covariance = (covariance / size / size[:, None])[: n + m, : n + m] * variance_of(record, fit)
     past = np.exp(-1j * omega)
     A, B = np.polyval(fit.A[::-1], past), np.polyval(fit.B[::-1], past) * past
     slopes = [-(past**k) / A for k in range(1, n + 1)] + [past**k / B for k in range(1, m + 1)]
@@ -98,13 +92,15 @@ def relative_deviation(record: ProcessRecord, fit: ProcessFit, omega: Array) -> 
 
 
 def parameter_covariance(record: ProcessRecord, fit: ProcessFit) -> Array:
-    """The covariance of a_1, ..., a_n, b_1, ..., b_m in units of the record."""
+    """The covariance of a_1, ..., a_n, b_1, ..., b_m in record units; infinite if unknown."""
     J = fit.jacobian
     size = np.sqrt(np.einsum("ij,ij->i", J, J))
     size[size == 0] = 1.0
-    scaled = J / size[:, None]
-    covariance = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
-    count = fit.order + len(fit.B)
+    scaled, count = J / size[:, None], fit.order + len(fit.B)
+    try:
+        covariance = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
+    except np.linalg.LinAlgError:
+        return np.full((count, count), np.inf)
     block = (covariance / size / size[:, None])[:count, :count]
     return np.asarray(block * variance_of(record, fit))
 

@@ -221,7 +221,8 @@ def _one_topic(contents: LogContents, name: str, columns: list[LogColumn]) -> li
     names = ", ".join(c.full_name for c in columns)
     raise InputError(
         f"{contents.source} has {len(columns)} columns {name!r}: {shortened(names, 200)}. Give the "
-        f"full name, for instance --names u={columns[0].full_name}."
+        f"full name, for instance names={{'u': {columns[0].full_name!r}}}, at a shell "
+        f"--names u={columns[0].full_name}."
     )
 
 

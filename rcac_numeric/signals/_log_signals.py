@@ -172,9 +172,9 @@ def _chosen(contents: LogContents, names: Names) -> LogSignals:
                 if role in names or role in ("u", "y"):
                     raise InputError(_missing(contents, role, part, names))
                 break
-            found = contents.numbers_of(part)
-            assert found is not None
-            parts.append((*found, columns))
+            numbers = contents.numbers_of(part)
+            assert numbers is not None
+            parts.append((*numbers, columns))
         if not parts:
             continue
         topics = {topic for _, topic, _ in parts}
@@ -231,8 +231,11 @@ def _missing(contents: LogContents, role: str, name: str, names: Names) -> str:
     if not likely:
         return f"{words}, none of which can be it."
     proposal = shortened(likely[0], 40)
-    proposal = f'"{role}={proposal}"' if " " in proposal else f"{role}={proposal}"
-    return f"{words}.{hint} Say which column is {role}, for instance --names {proposal}."
+    option = f'"{role}={proposal}"' if " " in proposal else f"{role}={proposal}"
+    return (
+        f"{words}.{hint} Say which column is {role}, for instance "
+        f"names={{{role!r}: {proposal!r}}}, at a shell --names {option}."
+    )
 
 
 def _orient(signals: LogSignals, transpose: bool) -> None:

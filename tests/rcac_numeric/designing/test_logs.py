@@ -108,8 +108,11 @@ def test_a_plant_that_integrates_has_its_pole_at_1(found):
 
 
 def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
-    slow = replace(found.logged.model, denominator=np.poly([0.999, 0.5]))
+    slow = replace(
+        found.logged.model, denominator=np.poly([0.999, 0.5]), covariance=1e-4 * np.eye(3)
+    )
     assert replace(found.logged, model=slow).integrates
+    assert not replace(found.logged, model=replace(slow, covariance=1e-10 * np.eye(3))).integrates
     assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
 
 
