@@ -46,6 +46,7 @@ MOVING = 1e-3
 # An actuator's limit is an extreme value of u that so many steps have.
 STAYS = 2
 FREE = 3  # steps without a limit for each coefficient, before limits are believed
+SURE = 4.0  # standard errors within which a fitted limit is replaced by a number of fewer digits
 SAME = 1e-5  # relative difference of two signals that are one, but for its rounding
 # Of the steps, those with the least residual: where limits act or samples are lost, some steps
 # follow no convention.
@@ -394,9 +395,11 @@ def _limited(replayer: Replayer, convention: Convention) -> Iterator[ConventionM
     if structure.l_u > 1 or not lags:
         return
     for rows in replayer.rows(convention):
-        before = _limits_before(replayer, rows, lags[0])
-        if before is not None:
-            yield _between(replayer, convention, *before)
+        for before in _limits_before(replayer, rows, lags[0]):
+            match = _between(replayer, convention, *before)
+            yield match
+            if match.replay.agrees:
+                break
 
 
 def _between(
@@ -407,11 +410,12 @@ def _between(
     return _match(replayer, convention, limits, (low, high))
 
 
-def _limits_before(replayer: Replayer, rows: ThetaRows, last: int) -> Limits | None:
-    """The limits that Phi obeys where u was logged before them, of one input.
+def _limits_before(replayer: Replayer, rows: ThetaRows, last: int) -> tuple[Limits, ...]:
+    """The limits that Phi obeys where u was logged before them, of one input; none, or two pairs.
 
     At the first step at which u differs from Phi theta, u(k-1) is the only past value beyond a
-    limit, which follows; then all steps determine both by least squares.
+    limit, which follows; then all steps determine both by least squares, weighted by the roundings
+    of the rows. The first pair has the fewest digits within the standard errors of the second.
     """
     structure, u = replayer.structure, replayer.log.u
     limits, open_ = np.array([-np.inf, np.inf]), np.zeros(2)
@@ -425,15 +429,15 @@ def _limits_before(replayer: Replayer, rows: ThetaRows, last: int) -> Limits | N
         k = int(broken[0])
         weight, value = float(rows.Theta[k, last, 0]), float(u[k - 1, 0])
         if k == 0 or weight == 0:
-            return None
+            return ()
         limit = float(np.clip(value, *limits)) + float(gaps[k]) / weight
         side = int(value > 0)
         if limit * value <= 0 or abs(limit) >= abs(value) or np.isfinite(limits[side]):
-            return None
+            return ()
         open_[side] = float(allowed[k]) / abs(weight)
         limits[side] = _shortest(limit, float(open_[side]))
     if np.isinf(limits).all():
-        return None
+        return ()
     # u - Phi theta is linear in the limits where they act.
     past = np.array([tap.signal == "u" for tap in structure.taps])
     phi, Theta = regressor(structure, rows.log), rows.Theta[:, :, 0]
@@ -441,13 +445,14 @@ def _limits_before(replayer: Replayer, rows: ThetaRows, last: int) -> Limits | N
     columns = np.column_stack([(Theta * acts).sum(axis=1) for acts in (is_low, is_high)])
     rest = u[:, 0] - (Theta * np.where(is_low | is_high, 0.0, phi)).sum(axis=1)
     acting = columns.any(axis=1) & compared
-    fit = np.linalg.lstsq(columns[acting], rest[acting], rcond=None)[0]
-    spread = float(np.abs(rest[acting] - columns[acting] @ fit).max(initial=0.0))
-    low, high = (
-        _shortest(float(value), spread) if np.isfinite(limit) else float(limit)
-        for value, limit in zip(fit, limits, strict=True)
-    )
-    return low, high
+    weights = 1 / np.maximum(_gaps(replayer, rows, limits, open_)[1], np.finfo(float).tiny)[acting]
+    X, values = columns[acting] * weights[:, None], rest[acting] * weights
+    fit = np.linalg.lstsq(X, values, rcond=None)[0]
+    spread = float(np.sqrt(np.mean((values - X @ fit) ** 2))) if len(values) else 0.0
+    errors = SURE * spread * np.sqrt(np.diag(np.linalg.pinv(X.T @ X)))
+    fit = np.where(np.isfinite(limits), fit, limits)
+    short = [_shortest(float(v), float(e)) for v, e in zip(fit, errors, strict=True)]
+    return (short[0], short[1]), (float(fit[0]), float(fit[1]))
 
 
 def _gaps(replayer: Replayer, rows: ThetaRows, limits: Array, open_: Array) -> tuple[Array, Array]:
