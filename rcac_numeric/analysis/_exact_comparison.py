@@ -71,17 +71,30 @@ class ExactComparison(Result):
         return report_of(self._sheet())
 
     def __str__(self) -> str:
-        """Return the verdict in five lines; `report` has polynomials, poles and zeros."""
-        verdict = "reached" if self.is_reached else "NOT reached"
+        """Return stability and verdict in five lines; `report` has polynomials, poles and zeros."""
+        radius = float(np.abs(self.poles).max(initial=0.0))
+        stable = "stable" if radius < 1 else "UNSTABLE"
         lines = [
-            f"requested poles {verdict}: worst pole distance {self.worst_distance:.3g}, "
-            f"backward error {self.backward_error:.3g}",
-            f"requested poles     {shown_array(self.requested_poles)}",
+            f"closed loop {stable}, spectral radius {radius:.6g}",
+            self.verdict,
+            f"no exact prediction: {self.obstacle}"
+            if self.obstacle
+            else f"requested poles     {shown_array(self.requested_poles)}",
             f"closed-loop poles   {shown_array(self.poles)}",
-            *([f"no exact prediction: {self.obstacle}"] if self.obstacle else []),
             "report() has the polynomials, the assigned poles and the zeros",
         ]
         return "\n".join(lines)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the requested poles are reached, with the numbers, in one sentence."""
+        errors = (
+            f"worst pole distance {self.worst_distance:.3g}, backward error "
+            f"{self.backward_error:.3g}"
+        )
+        if not self.target_poles.any():
+            return f"an FIR target requires no pole; beside the poles of G_f: {errors}"
+        return f"requested poles {'reached' if self.is_reached else 'NOT reached'}: {errors}"
 
     def __repr__(self) -> str:
         distance, change = self.worst_distance, self.backward_error

@@ -269,7 +269,7 @@ class LoopAnalysis(Value):
         stable = "stable" if self.loop.is_stable else "unstable"
         lines = [f"the closed loop is {stable}, spectral radius {self.loop.spectral_radius:.6g}"]
         comparison, reason = attempted(lambda: self.comparison)
-        lines.append(reason if comparison is None else str(comparison).split("\n")[0])
+        lines.append(reason if comparison is None else comparison.verdict)
         lines.append("report() has poles, zeros, the intercalated match and the residual split")
         return "\n".join(lines)
 
