@@ -32,10 +32,9 @@ def log(*, file: Path, names: str, columns: str, time: str | None, as_json: bool
     """
     options = {"columns": log_arguments(columns, time, None)["columns"], "time": time}
     contents = inspect_log(file, parse_names(names), **options)
-    if contents.unread:  # in the words of a shell
-        try:
-            read_log(file, parse_names(names), **options)
-        except CompensatorError as error:
-            contents = replaced(contents, unread=error.message_for(at_the_shell))
+    try:
+        read_log(file, parse_names(names), **options).longest_part()
+    except CompensatorError as error:  # in the words of a shell
+        contents = replaced(contents, unread=error.message_for(at_the_shell))
     show(log_sheet(contents), as_json)
     return NO if contents.unread else DONE

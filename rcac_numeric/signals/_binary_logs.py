@@ -31,8 +31,7 @@ PARTS_OF_A_VARIABLE = ("type", "value")  # of Octave's HDF5 files
 def reading(file: Path, subject: str) -> Iterator[None]:
     """Turn any error of a library about a file into one of ours."""
     try:
-        with redirect_stdout(io.StringIO()):
-            yield
+        yield
     except (CompensatorError, MemoryError):
         raise
     except Exception as error:  # each library raises its own, and that of its libraries
@@ -166,7 +165,8 @@ def read_ulog(file: Path) -> tuple[list[LogColumn], list[str]]:
     """Read the topics of a ULog file, a clock for each; and notes about dropouts."""
     pyulog = imported("pyulog")
     with reading(file, "a ULog file"), file.open("rb") as stream:
-        log = pyulog.ULog(stream)
+        with redirect_stdout(io.StringIO()):  # pyulog prints what it finds damaged
+            log = pyulog.ULog(stream)
         limit, columns = ReadingLimit(file), []
         several = {data.name for data in log.data_list if data.multi_id}
         for data in log.data_list:

@@ -90,3 +90,10 @@ def test_a_check_has_the_time_of_the_log(tmp_path):
     assert " s" in result.output.split("delay")[1].split("\n")[0]
     result = rcac("check", path, *options, "--sample-time", 0.2)
     assert result.exit_code == 2 and "is sampled every 0.02 s" in result.output
+
+
+def test_a_log_that_is_read_and_cannot_be_used_has_the_status_of_one(tmp_path):
+    path = tmp_path / "overflow.csv"
+    path.write_text("u,y\n" + "1e999,2\n" + "1,2\n" * 40)
+    result = rcac("log", path)
+    assert result.exit_code == 1 and "infinite" in result.output
