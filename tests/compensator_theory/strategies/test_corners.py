@@ -10,22 +10,7 @@ from compensator_theory import strategies as ours
 from compensator_theory.bezout import number_of_common_roots
 from compensator_theory.errors import NotCoprimeError
 from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
-
-
-def share(strategy, *conditions, count=300):
-    """Return how often each condition holds over draws that are the same in every run."""
-    result = [0] * len(conditions)
-    drawn = []
-
-    @settings(max_examples=count, database=None, derandomize=True)
-    @given(strategy)
-    def run(value):
-        drawn.append(value)
-        for k, condition in enumerate(conditions):
-            result[k] += bool(condition(value))
-
-    run()
-    return [number / len(drawn) for number in result]
+from tests.support.shares import shares
 
 
 @pytest.mark.costly
@@ -75,7 +60,7 @@ def share(strategy, *conditions, count=300):
     ids=["noncoprime", "nearly cancelling", "irrational", "exactly proper", "derogatory"],
 )
 def test_each_kind_is_drawn_as_often_as_stated(strategy, conditions, least):
-    for result, bound in zip(share(strategy, *conditions), least, strict=True):
+    for result, bound in zip(shares(strategy, *conditions), least, strict=True):
         assert result >= bound
 
 

@@ -4,7 +4,7 @@ from collections import Counter
 
 import pytest
 import sympy
-from hypothesis import HealthCheck, Phase, find, given, seed, settings
+from hypothesis import HealthCheck, Phase, find, given, settings
 from hypothesis import strategies as st
 from hypothesis.statistics import collector
 from sympy import ImmutableMatrix
@@ -13,6 +13,7 @@ from compensator_theory import InputError, count_roots, decide_stability, polyno
 from compensator_theory import strategies as ours
 from compensator_theory.loops._siso import closed_loop_of_pair, is_well_posed
 from compensator_theory.matrices._linear_algebra import rank
+from tests.support.shares import shares
 
 ALL = {
     "rationals": ours.rationals(),
@@ -155,26 +156,6 @@ def test_bad_input():
             occurs(ours.compensators(order, hidden), lambda c: True)
 
 
-def share(strategy, condition, examples=100):
-    """The share of draws of which a condition holds, from seeds of its own.
-
-    Draws of one seed hang together (shares of 0.53 to 0.79 where the mean is 0.64), and those of
-    `derandomize` hang on the words of this function: so there are four seeds, always the same.
-    """
-    observed = []
-
-    def run(drawn):
-        observed.append(bool(condition(drawn)))
-
-    for number in range(4):
-        batch = settings(
-            max_examples=examples, database=None, deadline=None, phases=[Phase.generate],
-            suppress_health_check=list(HealthCheck),
-        )  # fmt: skip
-        seed(number)(batch(given(strategy)(run)))()
-    return sum(observed) / len(observed)
-
-
 def observability(A, C):
     return controllability(A.T, C.T)
 
@@ -205,7 +186,8 @@ def observability(A, C):
          "hidden on the boundary", "ill-posed", "singular", "scalar"],
 )  # fmt: skip
 def test_corners_occur_as_often_as_they_should(strategy, condition, least, most):
-    assert least <= share(strategy, condition) <= most
+    (share,) = shares(strategy, condition)
+    assert least <= share <= most
 
 
 def _hidden_on_the_axis(G, G_c):

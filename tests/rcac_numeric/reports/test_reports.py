@@ -29,11 +29,19 @@ def test_any_check_has_a_strict_record_with_the_numbers_that_are_said(plant, see
         np.concatenate([np.zeros((1, plant.l_u, plant.l_y)),
                         0.3 * rng.standard_normal((n_c, plant.l_u, plant.l_y))]),
     )  # fmt: skip
-    u, y = rng.standard_normal((30, plant.l_u)), rng.standard_normal((30, plant.l_y))
+    u, y = np.zeros((30, plant.l_u)), rng.standard_normal((30, plant.l_y))
+    for k in range(30):
+        lags = range(min(k, n_c))
+        u[k] = sum((compensator.past_u[i] @ u[k - i - 1] for i in lags), np.zeros(plant.l_u))
+        u[k] += sum(compensator.past_y[i + 1] @ y[k - i - 1] for i in lags)
     check = check_controller(u, y, compensator=compensator, plant=plant)
     sheet = check_sheet(check)
     record = as_dict(sheet)
     json.dumps(record, allow_nan=False)
+    foreign = check_controller(u + 1, y, compensator=compensator, plant=plant)
+    other = as_dict(check_sheet(foreign))
+    json.dumps(other, allow_nan=False)
+    assert foreign.is_consistent or not {"loop", "margins", "costs"} & other.keys()
     doubt = record["plant_residual"] is not None and record["plant_residual"]["is_doubtful"]
     assert doubt == sheet.health[0].words.startswith("The log is NOT")
     stability = sheet.health[int(doubt)]
