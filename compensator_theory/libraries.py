@@ -26,8 +26,14 @@ EXTRAS = {
 
 
 @contextmanager
-def needed(library: str) -> Iterator[None]:
+def needed(library: str, extra: str = "") -> Iterator[None]:
     """Turn a missing optional library into an error that names the extra to install.
+
+    Parameters
+    ----------
+    library : str
+    extra : str
+        That of the task, where several extras install the library; by default that of `EXTRAS`.
 
     Examples
     --------
@@ -44,7 +50,7 @@ def needed(library: str) -> Iterator[None]:
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != library:
             raise  # the library is installed, but one of its dependencies is missing
-        raise InputError(_missing(library)) from None
+        raise InputError(_missing(library, extra)) from None
 
 
 def require_library(library: str) -> None:
@@ -90,8 +96,8 @@ def _places(name: str, packages: Iterable[ModuleType]) -> Iterator[str]:
                 yield ".".join((package.__name__, *(p for p in inner if p != "__init__")))
 
 
-def _missing(library: str) -> str:
-    extra = EXTRAS[library]
+def _missing(library: str, extra: str = "") -> str:
+    extra = extra or EXTRAS[library]
     return (
         f"{library} is not installed, and this needs it: `pip install "
         f"'compensator-theory[{extra}]'` brings it."

@@ -14,9 +14,9 @@ Dataset = Any  # of xarray
 StateSpace = Any  # of python-control
 
 
-def imported(name: str) -> Any:
-    """Import an optional library, or raise InputError."""
-    with needed(name.partition(".")[0]):
+def imported(name: str, extra: str = "") -> Any:
+    """Import an optional library, or raise InputError with the extra that installs it."""
+    with needed(name.partition(".")[0], extra):
         return importlib.import_module(name)
 
 

@@ -190,7 +190,7 @@ def jump_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
     difference = without - best
     return Gate(
         "level jumps", difference > ODDS, difference, ODDS,
-        f"u moves {record.moves} times; with up to {MOST_JUMPS} level jumps in place of u the BIC "
+        f"moves of u: {record.moves}; with up to {MOST_JUMPS} level jumps in place of u the BIC "
         f"is larger by {difference:.3g}, at least {ODDS:.3g} is required",
         "A jump of the disturbance would look the same: step u again, several times.",
     )  # fmt: skip
@@ -352,6 +352,6 @@ def sign_gate(search: ProcessSearch, fit: ProcessFit, omega: float) -> Gate:
     ]  # fmt: skip
     return Gate(
         "sign", not others, float(len(others)), 0.0,
-        f"{len(others)} credible models have the other sign at {omega:.2g} rad/step",
+        f"credible models with the other sign at {omega:.2g} rad/step: {len(others)}",
         "The record supports both signs: excite u more, several times.",
     )  # fmt: skip

@@ -101,7 +101,7 @@ class _Hdf5:
 
 def read_parquet(file: Path) -> list[LogColumn]:
     """Read the columns of numbers and time stamps of a Parquet file."""
-    parquet, types = imported("pyarrow.parquet"), imported("pyarrow.types")
+    parquet, types = (imported(f"pyarrow.{part}", "logs") for part in ("parquet", "types"))
     with reading(file, "a Parquet file"):
         opened = parquet.ParquetFile(file)
         schema, rows = opened.schema_arrow, opened.metadata.num_rows

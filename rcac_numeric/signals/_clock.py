@@ -151,8 +151,8 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
     if turning:
         first = int(np.argmax(d < 0))
         return refused(
-            f"{column} turns back in {turning} rows, the first time from {times[first]:.9g} to "
-            f"{times[first + 1]:.9g} in row {first + 2}", turning=turning
+            f"{column} turns back from {times[first]:.9g} to {times[first + 1]:.9g} in row "
+            f"{first + 2}; rows that turn back: {turning}", turning=turning
         )  # fmt: skip
     rounding = rounding_of(times - times[0])
     fraction = 10.0**-rounding.places if rounding.printing == "decimals" else rounding.step

@@ -8,6 +8,7 @@ import gzip
 import io
 import shutil
 import subprocess
+import sys
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -15,6 +16,7 @@ import pandas as pd
 import pytest
 import scipy.io
 
+from compensator_theory.errors import InputError
 from rcac_numeric import inspect_log, read_log
 from tests.support.ulogs import ulog
 
@@ -383,6 +385,14 @@ def test_a_packed_text_that_is_damaged_or_too_long(tmp_path):
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(b"u,y\n1,2\n" * 99)[:-9])
     with pytest.raises(ValueError, match=r"damaged \.gz"):
+        read_log(path)
+
+
+def test_a_missing_library_of_logs_is_installed_by_their_extra(monkeypatch, tmp_path):
+    path = tmp_path / "log.parquet"
+    path.write_bytes(b"PAR1")
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with pytest.raises(InputError, match=r"compensator-theory\[logs\]"):
         read_log(path)
 
 
