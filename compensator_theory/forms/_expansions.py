@@ -12,7 +12,11 @@ from compensator_theory.polynomials._budget import ask, integer
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
-from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._poly import (
+    canonical,
+    over_coefficient_field,
+    quotient_modulo,
+)
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems._transfer_functions import (
@@ -167,9 +171,7 @@ def partial_fractions(
     """
     G = transfer_function(G, variable)
     reduced = G.reduced()
-    top, bottom = reduced.numerator.unify(reduced.denominator)
-    field = top.domain.get_field()
-    top, bottom = top.set_domain(field), bottom.set_domain(field)
+    top, bottom = over_coefficient_field(reduced.numerator, reduced.denominator)
     whole, rest = top.div(bottom)
     terms = []
     factors = sorted(bottom.factor_list()[1], key=lambda item: _by_degree(item[0]))
@@ -177,7 +179,7 @@ def partial_fractions(
         p = factor.monic()
         local = p**multiplicity
         # The part over p**m is N (D/p**m)**-1 modulo p**m; its digits in base p are the numerators.
-        value = (rest * bottom.quo(local).invert(local)).rem(local)
+        value = quotient_modulo(local, rest, bottom.quo(local))
         digits = []
         for _ in range(multiplicity):
             value, digit = value.div(p)

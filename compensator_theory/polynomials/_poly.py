@@ -118,6 +118,43 @@ def exact_quotient(poly: Poly, divisor: Poly) -> Poly:
     return canonical(top.set_domain(field).exquo(bottom.set_domain(field)))
 
 
+def quotient_modulo(factor: Poly, top: Poly, bottom: Poly) -> Poly:
+    """Return a quotient as a polynomial that has its values at the roots of a coprime factor.
+
+    SymPy's ``invert`` (1.14) takes a constant that it did not normalise, over Q(sqrt(2))(a) for
+    instance, for a divisor of zero.
+    """
+    inverse, divisor = bottom.half_gcdex(factor)
+    if divisor.degree() > 0:
+        raise InputError(f"{quoted(bottom)} and {quoted(factor)} have a common factor")
+    return (top * inverse).rem(factor)
+
+
+def over_coefficient_field(*polys: Poly) -> tuple[Poly, ...]:
+    """Return polynomials over the field of all their coefficients, surds beside symbols included.
+
+    SymPy has no domain of its own choice for sqrt(2) + a and writes it as an expression, which no
+    polynomial over it can be factored in.
+    """
+    first, *others = over_one_field(*polys)
+    for other in others:
+        first = first.unify(other)[0]
+    field = first.domain.get_field()
+    if field.is_EX:
+        coefficients = [c for poly in polys for c in poly.all_coeffs()]
+        surds = sorted(set().union(*map(irrational_parts, coefficients)), key=str)
+        symbols = sorted(set().union(*(c.free_symbols for c in coefficients)), key=str)
+        try:
+            field = QQ.algebraic_field(*surds).frac_field(*symbols)
+            return tuple(Poly(poly.as_expr(), poly.gen, domain=field) for poly in polys)
+        except (CoercionFailed, NotImplementedError, PolynomialError):
+            raise InputError(
+                "the coefficients span no supported number field; write symbols in place of "
+                "irrational numbers"
+            ) from None
+    return tuple(poly.set_domain(field) for poly in polys)
+
+
 def common_divisor(first: Poly, *others: Poly) -> Poly:
     """Return the monic greatest common divisor."""
     if not all(poly.domain.is_QQ for poly in (first, *others)):

@@ -27,6 +27,7 @@ from compensator_theory.polynomials._poly import (
     common_divisor,
     exact_quotient,
     is_rational,
+    quotient_modulo,
     way_to_rational,
 )
 from compensator_theory.polynomials._values import ExactValue
@@ -586,11 +587,6 @@ def _phase_crossover(
 
     frequency, enclosure = at_growing_precision(attempt, 160, "a gain margin")
     return PhaseCrossover(value, frequency, value_at_root(quotient, value), enclosure)
-
-
-def quotient_modulo(factor: Poly, top: Poly, bottom: Poly) -> Poly:
-    """Return a quotient as a polynomial that has its values at the roots of an irreducible one."""
-    return (top * bottom.invert(factor)).rem(factor)
 
 
 def value_at_root(poly: Poly, root: Expr) -> Expr:

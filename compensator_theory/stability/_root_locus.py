@@ -32,7 +32,12 @@ from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
+from compensator_theory.polynomials._poly import (
+    canonical,
+    is_rational,
+    quotient_modulo,
+    way_to_rational,
+)
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._certified import (
@@ -53,7 +58,6 @@ from compensator_theory.stability._margins import (
     frequency_of,
     narrow,
     positive_roots,
-    quotient_modulo,
     real_root_balls,
     squared,
     value_at_root,

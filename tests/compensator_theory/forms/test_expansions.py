@@ -74,3 +74,13 @@ def test_bad_input():
             ct.markov_parameters("1/s", count)
     with pytest.raises(BudgetError):
         ct.markov_parameters("1/s", 10**9)
+
+
+@pytest.mark.parametrize(
+    "text", ["a/(s*(s + sqrt(2)))", "1/((s + a)*(s + sqrt(2)))", "1/((s + a)**2*(s + sqrt(3)))"]
+)
+def test_surds_beside_symbols(text):
+    """Factors over Q(sqrt(2))(a), a field that SymPy's polynomials do not choose."""
+    fractions = ct.partial_fractions(text, "s")
+    assert fractions.certificate.holds
+    assert all(term.factor.degree() == 1 for term in fractions.terms)
