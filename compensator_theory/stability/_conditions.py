@@ -27,7 +27,7 @@ PRODUCTS = 150_000
 """Of two terms, times the words of a number, for each term of the budget: some seconds in all."""
 
 
-class _Conditions(tuple[Expr, ...]):
+class StabilityConditions(tuple[Expr, ...]):
     """Expressions that must be positive; the list has no truth value, since empty means stable."""
 
     __slots__ = ()
@@ -117,9 +117,11 @@ def stability_conditions(
     sizes = sorted(range(n - 1, 1, -2))
     if (read := over_common_symbols(sympy.Matrix([[*leading, *a]]))) is not None:
         work, (numerators,) = read
-        return _Conditions(_HurwitzArray(work, numerators, len(leading)).conditions(chosen, sizes))
+        return StabilityConditions(
+            _HurwitzArray(work, numerators, len(leading)).conditions(chosen, sizes)
+        )
     minors = [_hurwitz_minor(a, k) for k in sizes]
-    return _Conditions(_simplified([*leading, *(a[k] for k in chosen), *minors]))
+    return StabilityConditions(simplified_conditions([*leading, *(a[k] for k in chosen), *minors]))
 
 
 @generic_answer_of(stability_conditions)
@@ -257,7 +259,7 @@ def _entry(ascending: Sequence[Coefficient], i: int, j: int, zero: Coefficient) 
     return ascending[k] if 0 <= k < len(ascending) else zero
 
 
-def _simplified(conditions: list[Expr]) -> list[Expr]:
+def simplified_conditions(conditions: list[Expr]) -> list[Expr]:
     """Return the conditions without denominators, positive factors and repetitions."""
     simplified: list[Expr] = []
     for condition in conditions:
