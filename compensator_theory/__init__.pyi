@@ -80,6 +80,10 @@ from .polynomials._from_roots import read_roots as read_roots
 from .polynomials._numbers import exact_number as exact_number
 from .polynomials._poly import monic as monic
 from .polynomials._reading import polynomial as polynomial
+from .responses._responses import impulse_response as impulse_response
+from .responses._responses import step_response as step_response
+from .responses._responses import time_response as time_response
+from .responses._transition_matrices import transition_matrix as transition_matrix
 from .roots._certified import certified_roots as certified_roots
 from .roots._counts import count_roots as count_roots
 from .roots._regions import locate_roots as locate_roots
@@ -99,6 +103,8 @@ from .stability._simultaneous import (
     decide_simultaneous_stabilisability as decide_simultaneous_stabilisability,
 )
 from .stability._stabilising_gains import stabilising_gains as stabilising_gains
+from .stability._stability_arrays import jury_array as jury_array
+from .stability._stability_arrays import routh_array as routh_array
 from .stability._stability_intervals import stability_intervals as stability_intervals
 from .stability._stability_regions import stability_region as stability_region
 from .stability._stable_compensators import stable_compensator as stable_compensator

@@ -61,6 +61,9 @@ from .placement._stabilising_compensators import AffineMap as AffineMap
 from .placement._stabilising_compensators import (
     StabilisingCompensators as StabilisingCompensators,
 )
+from .responses._modes import Mode as Mode
+from .responses._time_responses import TimeResponse as TimeResponse
+from .responses._transition_matrices import TransitionMatrix as TransitionMatrix
 from .roots._certified import Root as Root
 from .roots._counts import RootCount as RootCount
 from .roots._enclosures import Enclosure as Enclosure
@@ -88,6 +91,8 @@ from .stability._root_locus import LocusBreak as LocusBreak
 from .stability._root_locus import LocusCrossing as LocusCrossing
 from .stability._root_locus import RootLocus as RootLocus
 from .stability._simultaneous import SimultaneousStabilisability as SimultaneousStabilisability
+from .stability._stability_arrays import JuryArray as JuryArray
+from .stability._stability_arrays import RouthArray as RouthArray
 from .stability._stability_intervals import StabilityCell as StabilityCell
 from .stability._stability_intervals import StabilityIntervals as StabilityIntervals
 from .stability._stability_regions import StabilityRegion as StabilityRegion

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
 from sympy.printing.pretty.stringpict import prettyForm
 
+from compensator_theory import figures
 from compensator_theory._latex import displayed, fraction
+from compensator_theory._showing import picture_of
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.polynomials._budget import ask, is_integer, quoted, repr_of
@@ -250,6 +252,40 @@ class TransferFunction(System):
             [to_float(c) for c in p.all_coeffs()] for p in (self.numerator, self.denominator)
         ]
         return control.TransferFunction(*rounded, time_base(self.variable, self.sample_time, dt))
+
+    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
+        """Draw the step response, Bode's plot, Nyquist's curve, and the poles and zeros.
+
+        Margins are those of the loop closed by negative feedback, L = G.
+
+        Parameters
+        ----------
+        view : {"all", "step", "bode", "nyquist", "poles"}
+            One of them, or all.
+        ax : matplotlib Axes or sequence of Axes, optional
+            Where it is drawn instead of in a new figure: two for Bode's plot, five for all (step,
+            gain, phase, Nyquist, poles).
+        width : float
+            Of the figure in inches.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window.
+
+        Raises
+        ------
+        InputError
+            If the view is none of these, or G has symbols.
+
+        Examples
+        --------
+        >>> from compensator_theory import transfer_function
+        >>> figure = transfer_function("10/(s*(s + 1)*(s + 5))").plot("bode")
+        >>> [axis.get_title() for axis in figure.axes]
+        ['gain margin 3 at 2.24', 'phase margin 25.4 degrees at 1.23']
+        """
+        return picture_of(self, view=view, **options)
 
     def __call__(self, point: NumberLike) -> Expr:
         r"""Return the value at a number or a symbolic point, G(1), G(2j) or G("exp(1)").

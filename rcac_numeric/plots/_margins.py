@@ -65,7 +65,7 @@ class LoopCurve:
 
 def plot_stability_margins(margins: StabilityMargins, view: str = "all", **options: Any) -> Figure:
     """Draw a loop with its exact margins, as `StabilityMargins.plot` says."""
-    return plot_loop(_exact_curve(margins), view, **options)
+    return plot_loop(exact_curve(margins), view, **options)
 
 
 def plot_margins(margins: Margins, view: str = "all", **options: Any) -> Figure:
@@ -257,7 +257,7 @@ def _frequencies(curve: LoopCurve) -> Any:
     return np.unique(np.concatenate([*parts, np.array(inside, dtype=float)]))
 
 
-def _exact_curve(margins: StabilityMargins) -> LoopCurve:
+def exact_curve(margins: StabilityMargins) -> LoopCurve:
     """The curve of exact margins, rounded once."""
     N, D = ([float(c) for c in p.all_coeffs()] for p in (margins.numerator, margins.denominator))
     discrete = margins.time == "discrete"

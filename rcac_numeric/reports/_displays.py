@@ -9,8 +9,10 @@ from typing import Any
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError
+from compensator_theory.responses._time_responses import TimeResponse
 from compensator_theory.stability._margins import StabilityMargins
 from compensator_theory.stability._root_locus import RootLocus
+from compensator_theory.systems._transfer_functions import TransferFunction
 from rcac_numeric.arrays._wording import in_a_line
 from rcac_numeric.reports._rendering import sheet_html, words
 from rcac_numeric.reports._sheet import Sheet
@@ -27,6 +29,14 @@ def picture_of(result: object, **options: Any) -> figures.Figure:
         from rcac_numeric.plots._root_locus import plot_root_locus
 
         return plot_root_locus(result, **options)
+    if isinstance(result, TimeResponse):
+        from rcac_numeric.plots._exact_systems import plot_time_response
+
+        return plot_time_response(result, **options)
+    if isinstance(result, TransferFunction):
+        from rcac_numeric.plots._exact_systems import plot_system
+
+        return plot_system(result, **options)
     raise InputError(f"a {type(result).__name__} cannot be shown in this way.")
 
 

@@ -104,6 +104,9 @@ INTERVALS = nonzero_rationals().map(
     lambda b: exact.stability_intervals(f"s**3 + s + k + ({b})", "k")
 )
 PARITIES = strictly_proper_plants().map(exact.decide_strong_stabilisability)
+RESPONSES = strictly_proper_plants().map(exact.step_response) | st.just(
+    exact.step_response("a/(z**2 + b)", "z")
+)
 EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
 
 MARGINS = st.sampled_from(["10", "100", "1"]).map(
@@ -275,6 +278,14 @@ SAMPLES = {
     results.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
     results.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
     | transfer_matrices().map(exact.minimal_realisation),
+    results.TimeResponse: RESPONSES,
+    results.Mode: RESPONSES.map(lambda y: y.modes[0]),
+    results.TransitionMatrix: matrices(2, 2).map(exact.transition_matrix)
+    | st.just(exact.transition_matrix([[0, "w"], ["-w", 0]])),
+    results.RouthArray: polynomials(min_degree=1).map(exact.routh_array)
+    | st.just(exact.routh_array("s**3 + a*s**2 + b*s + c")),
+    results.JuryArray: polynomials("z", min_degree=1).map(exact.jury_array)
+    | st.just(exact.jury_array("z**2 + a*z + b")),
     results.PartialFractions: EXPANSIONS,
     results.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.results.Certificate: minimal_plants().map(
