@@ -65,6 +65,7 @@ from .responses._modes import Mode as Mode
 from .responses._time_responses import TimeResponse as TimeResponse
 from .responses._transition_matrices import TransitionMatrix as TransitionMatrix
 from .roots._certified import Root as Root
+from .roots._closed_forms import RootFormula as RootFormula
 from .roots._counts import RootCount as RootCount
 from .roots._enclosures import Enclosure as Enclosure
 from .roots._enclosures import PolynomialEnclosure as PolynomialEnclosure

@@ -13,6 +13,7 @@ from compensator_theory._latex import displayed, latex
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import over_coefficient_field, quotient_modulo
 from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.roots._closed_forms import completed_square, root_of_square
 
 
 @dataclass(frozen=True)
@@ -105,11 +106,11 @@ def _exponentials(p: Poly, c: Poly, t: Symbol) -> Expr:
         return _in_short(c.as_expr()) * sympy.exp(-p.TC() * t)
     if p.degree() > 2:
         return _root_sum(p, c, lambda r: sympy.exp(r * t))
-    centre, square = _quadratic(p)
+    centre, square = completed_square(p)
     if square.is_positive:
         return sympy.Add(*(a * sympy.exp(r * t) for a, r in _pair(c, centre, square)))
     even, odd = _even_and_odd(c, centre, square)
-    w = _root_of(-square)
+    w = root_of_square(-square)
     decay = sympy.exp(centre * t)
     return 2 * even * decay * sympy.cos(w * t) + 2 * odd / w * decay * sympy.sin(w * t)
 
@@ -120,7 +121,7 @@ def _powers(p: Poly, c: Poly, k: Symbol) -> Expr:
         return _in_short(c.as_expr()) * (-p.TC()) ** k
     if p.degree() > 2:
         return _root_sum(p, c, lambda r: r**k)
-    centre, square = _quadratic(p)
+    centre, square = completed_square(p)
     if not square.is_negative:
         return sympy.Add(*(a * r**k for a, r in _pair(c, centre, square)))
     even, odd = _even_and_odd(c, centre, square)
@@ -132,7 +133,7 @@ def _powers(p: Poly, c: Poly, k: Symbol) -> Expr:
 def _pair(c: Poly, centre: Expr, square: Expr) -> list[tuple[Expr, Expr]]:
     """Return c(r) and r for the two roots of (s - centre)**2 - square."""
     even, odd = _even_and_odd(c, centre, square)
-    root = _root_of(square)
+    root = root_of_square(square)
     return [(even + sign * odd / root, centre + sign * root) for sign in (1, -1)]
 
 
@@ -142,21 +143,10 @@ def _even_and_odd(c: Poly, centre: Expr, square: Expr) -> tuple[Expr, Expr]:
     return _in_short(u + v * centre), _in_short(v * square)
 
 
-def _quadratic(p: Poly) -> tuple[Expr, Expr]:
-    """Return c and d of (s - c)**2 - d."""
-    centre = -p.coeff_monomial(p.gen) / 2
-    return centre, _in_short(centre**2 - p.TC())
-
-
 def _root_sum(p: Poly, c: Poly, function: Callable[[Expr], Expr]) -> Expr:
     """Return a sum over the roots of a factor of degree three or more, as SymPy's RootSum."""
     x = p.gen
     return sympy.RootSum(p, sympy.Lambda(x, c.as_expr() * function(x)), auto=False)
-
-
-def _root_of(square: Expr) -> Expr:
-    """Return a square root; its sign does not matter, so that of w**2 may be w."""
-    return sympy.powdenest(sympy.sqrt(sympy.factor(square)), force=True)
 
 
 def _in_short(coefficient: Expr) -> Expr:

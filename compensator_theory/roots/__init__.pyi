@@ -1,3 +1,4 @@
+from ._closed_forms import closed_form_roots as closed_form_roots
 from ._counts import number_of_real_roots as number_of_real_roots
 from ._reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
 from ._reflections import reciprocal_polynomial as reciprocal_polynomial

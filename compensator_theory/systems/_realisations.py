@@ -25,6 +25,8 @@ from compensator_theory.polynomials._budget import ask, is_integer, repr_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._variables import as_symbol, require_one_symbol_a_name
+from compensator_theory.roots._certified import Root
+from compensator_theory.roots._closed_forms import RootFormula, roots_of
 from compensator_theory.systems._controllability import is_controllable, uncontrollable_polynomial
 from compensator_theory.systems._sample_times import (
     System,
@@ -216,6 +218,23 @@ class Realisation(System):
     def characteristic_polynomial(self) -> Poly:
         """The polynomial det(sI - A), unreduced."""
         return characteristic_polynomial(self.A, self.variable)
+
+    def poles(self) -> tuple[Root | RootFormula, ...]:
+        """Return the eigenvalues of A: certified, or with symbols in closed form.
+
+        Raises
+        ------
+        NoSolutionError
+            If, with symbols, an irreducible factor of det(sI - A) has degree three or more.
+
+        Examples
+        --------
+        >>> from compensator_theory import realisation
+        >>> spring = realisation(([[0, 1], ["-k/m", 0]], [[0], [1]], [[1, 0]]), "s")
+        >>> print(*spring.poles(), sep="; ")
+        -I*sqrt(k)/sqrt(m); I*sqrt(k)/sqrt(m)
+        """
+        return roots_of(self.characteristic_polynomial)
 
     @property
     def uncontrollable_modes(self) -> Poly:

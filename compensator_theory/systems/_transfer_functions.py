@@ -38,7 +38,8 @@ from compensator_theory.polynomials._variables import (
     evident_variable,
     require_no_other_operator,
 )
-from compensator_theory.roots._certified import Root, certified_roots
+from compensator_theory.roots._certified import Root
+from compensator_theory.roots._closed_forms import RootFormula, roots_of
 from compensator_theory.systems._sample_times import (
     System,
     period_in,
@@ -203,13 +204,27 @@ class TransferFunction(System):
             sample_time=self.sample_time,
         )
 
-    def zeros(self) -> tuple[Root, ...]:
-        """Return the certified roots of the numerator."""
-        return certified_roots(self.numerator)
+    def zeros(self) -> tuple[Root | RootFormula, ...]:
+        """Return the roots of the numerator, as :meth:`poles` returns those of the denominator."""
+        return roots_of(self.numerator)
 
-    def poles(self) -> tuple[Root, ...]:
-        """Return the certified roots of the unreduced denominator."""
-        return certified_roots(self.denominator)
+    def poles(self) -> tuple[Root | RootFormula, ...]:
+        """Return the roots of the unreduced denominator.
+
+        Of a rational transfer function in certified disks; with symbols or surds in closed form.
+
+        Raises
+        ------
+        NoSolutionError
+            If, with symbols, an irreducible factor has degree three or more.
+
+        Examples
+        --------
+        >>> from compensator_theory import transfer_function
+        >>> print(*transfer_function("1/(s**2 + 2*z*w*s + w**2)", "s").poles(), sep="; ")
+        -w*z - w*sqrt(z**2 - 1); -w*z + w*sqrt(z**2 - 1)
+        """
+        return roots_of(self.denominator)
 
     def as_expr(self) -> Expr:
         """Return a SymPy expression; SymPy may cancel factors in it."""

@@ -31,7 +31,8 @@ from compensator_theory.polynomials._poly import (
     total,
 )
 from compensator_theory.polynomials._reading import polynomial
-from compensator_theory.roots._certified import Root, certified_roots
+from compensator_theory.roots._certified import Root
+from compensator_theory.roots._closed_forms import RootFormula, roots_of
 from compensator_theory.systems._adjugates import adjugate_and_determinant
 from compensator_theory.systems._sample_times import (
     System,
@@ -268,20 +269,23 @@ class TransferMatrix(System):
         rows = tuple(tuple(exact_quotient(e, common) for e in row) for row in self.numerators)
         return self._with(rows, exact_quotient(self.denominator, common))
 
-    def poles(self) -> tuple[Root, ...]:
-        """Return the certified finite poles by McMillan's definition, with multiplicity.
+    def poles(self) -> tuple[Root | RootFormula, ...]:
+        """Return the finite poles by McMillan's definition, with multiplicity.
+
+        Certified where the matrix is rational, in closed form with symbols, as of a
+        :class:`TransferFunction`.
 
         Those of 1/s times the 2 x 2 identity are 0, twice; what all entries of the common
         denominator cancel is none. :func:`smith_mcmillan_form` has those at infinity too.
         """
-        return certified_roots(self._smith_mcmillan_products()[1])
+        return roots_of(self._smith_mcmillan_products()[1])
 
-    def zeros(self) -> tuple[Root, ...]:
-        """Return the certified finite transmission zeros, with multiplicity.
+    def zeros(self) -> tuple[Root | RootFormula, ...]:
+        """Return the finite transmission zeros, with multiplicity.
 
         At one of them the rank of the matrix falls, or would but for a pole in another direction.
         """
-        return certified_roots(self._smith_mcmillan_products()[0])
+        return roots_of(self._smith_mcmillan_products()[0])
 
     def _smith_mcmillan_products(self) -> tuple[Poly, Poly]:
         """The products of the epsilon_i and of the psi_i of the Smith-McMillan form."""

@@ -282,6 +282,9 @@ SAMPLES = {
     results.Mode: RESPONSES.map(lambda y: y.modes[0]),
     results.TransitionMatrix: matrices(2, 2).map(exact.transition_matrix)
     | st.just(exact.transition_matrix([[0, "w"], ["-w", 0]])),
+    results.RootFormula: SYMBOLS.map(
+        lambda a: exact.transfer_function(f"1/(s**2 + {a}*s + 1)", "s").poles()[0]
+    ),
     results.RouthArray: polynomials(min_degree=1).map(exact.routh_array)
     | st.just(exact.routh_array("s**3 + a*s**2 + b*s + c")),
     results.JuryArray: polynomials("z", min_degree=1).map(exact.jury_array)

@@ -111,8 +111,8 @@ GOOD = {
     **{
         name: ([_POLY], {})
         for name in (
-            "monic", "certified_roots", "number_of_real_roots", "monic_reciprocal_polynomial",
-            "reciprocal_polynomial", "reflection_coefficients",
+            "monic", "certified_roots", "closed_form_roots", "number_of_real_roots",
+            "monic_reciprocal_polynomial", "reciprocal_polynomial", "reflection_coefficients",
         )
     },
     "count_roots": ([_POLY], {}),
