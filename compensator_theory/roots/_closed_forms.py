@@ -89,7 +89,7 @@ def closed_form_roots(
     for factor, multiplicity in sorted(p.factor_list()[1], key=lambda item: item[0].degree()):
         if factor.degree() > 2:
             raise NoSolutionError(
-                f"the roots of the factor {format_polynomial(factor)} have no closed form in square "
+                f"the roots of {format_polynomial(factor)} have no closed form in square "
                 "roots; give values by subs(...), or ask stability_conditions"
             )
         formulas += [RootFormula(r, int(multiplicity)) for r in roots_of_factor(factor.monic())]
