@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from itertools import chain, islice
 from math import isqrt
 
 import flint
-from sympy import Poly, prevprime
+from sympy import Poly
 
 from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
+from compensator_theory.matrices._residues import primes
 
 TALL = 100
 """Bits of the resultant per degree above which remainder sequences grow too long (measured)."""
@@ -68,9 +69,7 @@ def _p_adic(
 ) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
     """Return the solution, or None where three primes divide a leading coefficient or resultant."""
     integers = [p.numer() for p in (a, b, c)]
-    prime = 2**61
-    for _ in range(3):
-        prime = int(prevprime(prime))
+    for prime in islice(primes(), 3):
         if int(integers[0].leading_coefficient()) % prime == 0:
             continue
         modulus, inverted = (flint.nmod_poly(p, prime) for p in integers[:2])

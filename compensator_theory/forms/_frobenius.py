@@ -28,13 +28,14 @@ from compensator_theory.matrices._linear_algebra import (
     in_lowest_terms,
     multiplied,
 )
+from compensator_theory.matrices._residues import large_prime
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.systems._controllability import PRIME, krylov
+from compensator_theory.systems._controllability import krylov
 
 IDENTITY = "A T = T A_F, det T not 0, each invariant polynomial a divisor of the next"
 
@@ -182,11 +183,12 @@ def _starts(n: int) -> list[list[int]]:
 def _cyclic_of_numbers(a: flint.fmpq_mat) -> RationalMatrix | None:
     """Return the Krylov matrix of the first vector that is cyclic modulo a prime, and so cyclic."""
     n, whole = int(a.nrows()), a.numer_denom()
-    residues = flint.nmod_mat(whole[0], PRIME)
+    prime = large_prime()
+    residues = flint.nmod_mat(whole[0], prime)
     if residues.minpoly().degree() < n:
         return None
     for start in _starts(n):
-        if krylov(residues, flint.nmod_mat(n, 1, start, PRIME)).rank() == n:
+        if krylov(residues, flint.nmod_mat(n, 1, start, prime)).rank() == n:
             longest = max(int(entry) for entry in (whole[1], *map(abs, whole[0].entries()))) * n
             ask("entries", n**3 * longest.bit_length() // 512, "the basis in numbers of 512 bits")
             return from_flint(krylov(a, flint.fmpq_mat(n, 1, start)).transpose())

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import flint
 
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices._residues import pivots, primes, whole
+from compensator_theory.matrices._residues import large_prime, pivots, primes, whole
 from compensator_theory.polynomials._budget import ask, decimal_digits
 
 Relation: TypeAlias = dict[tuple[int, int], flint.nmod]
@@ -41,7 +41,7 @@ class Pencil:
         self.E, self.shape = E, (E.nrows(), E.ncols())
         bits = max(int(x).bit_length() for x in [*A.entries(), *E.entries()])
         ask("digits", decimal_digits(bits), "the pencil over one denominator")
-        prime = next(primes())
+        prime = large_prime()
         size = min(self.shape)
         # A rank modulo a prime is never above the true one, and all but `size` points have that.
         probes = (3**40 + 7**k for k in range(3))

@@ -27,6 +27,7 @@ from compensator_theory.matrices._flint_matrices import (
     to_flint,
 )
 from compensator_theory.matrices._linear_algebra import determinant, solve
+from compensator_theory.matrices._residues import primes
 from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._carrying import carrying
 
@@ -386,9 +387,7 @@ def _lifted(
     matrix: flint.fmpz_mat, right: flint.fmpz_mat, denominator: flint.fmpz, bits: int
 ) -> flint.fmpz_mat:
     """Return denominator * right * matrix^-1 if it is integer and of so many bits at most."""
-    modulus = flint.fmpz(2**62 - 57)
-    while not modulus.is_prime() or flint.nmod_mat(matrix, int(modulus)).det() == 0:
-        modulus -= 2
+    modulus = flint.fmpz(next(p for p in primes() if flint.nmod_mat(matrix, p).det() != 0))
     size = matrix.nrows()
     inverse = flint.nmod_mat(matrix, int(modulus)).inv()
     inverse = flint.fmpz_mat(size, size, [int(x) for x in inverse.entries()])

@@ -18,8 +18,7 @@ from compensator_theory.matrices._flint_matrices import (
     zero_matrix,
 )
 from compensator_theory.matrices._fraction_free import SymbolicRows
-
-PRIME = 2**61 - 1
+from compensator_theory.matrices._residues import large_prime
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ def has_full_rank(matrix: flint.fmpz_mat) -> bool:
     It is never larger than the rank of the matrix; False may be the fault of the prime.
     """
     size = min(int(matrix.nrows()), int(matrix.ncols()))
-    return int(flint.nmod_mat(matrix, PRIME).rank()) == size
+    return int(flint.nmod_mat(matrix, large_prime()).rank()) == size
 
 
 def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:

@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from math import isqrt
 
 import flint
 
-PRIMES_BELOW = 2**62
-"""The largest prime below comes first; python-flint's go up to 2^64."""
+WORD = 62 if sys.maxsize > 2**32 else 31
+"""Bits of a prime: python-flint's go up to a word, which has 32 bits under Pyodide and on ARM."""
 
 
 def primes() -> Iterator[int]:
-    """Yield large primes, the largest first."""
-    candidate = PRIMES_BELOW - 1
+    """Yield large primes of one word, the largest first."""
+    candidate = 2**WORD - 1
     while True:
         if flint.fmpz(candidate).is_prime():
             yield candidate
         candidate -= 2
 
 
+def large_prime() -> int:
+    """Return the largest prime of one word."""
+    return next(primes())
+
+
 def pivots(matrix: flint.nmod_mat | flint.fmpz_mat) -> list[int]:
     """Return the first columns that span the column space, modulo a prime."""
     if isinstance(matrix, flint.fmpz_mat):
-        matrix = flint.nmod_mat(matrix, next(primes()))
+        matrix = flint.nmod_mat(matrix, large_prime())
     reduced, rank = matrix.rref()
     return [next(j for j, e in enumerate(row) if int(e)) for row in reduced.tolist()[:rank]]
 

@@ -20,13 +20,13 @@ from compensator_theory.matrices._linear_algebra import (
     multiplied,
     rank,
 )
+from compensator_theory.matrices._residues import large_prime
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of, holds_where_defined
 from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import canonical, exact_quotient
 from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
-PRIME = 2**61 - 1  # for ranks: vectors that are independent modulo a prime are independent
 MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
 
 
@@ -137,8 +137,9 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
 def _reaches_all(A: flint.fmpq_mat, B: flint.fmpq_mat) -> bool:
     """Tell whether [B AB ...] has full rank: it does where it does modulo a prime."""
     n = int(A.nrows())
-    whole = A.numer_denom()[0], B.numer_denom()[0]
-    if krylov(*(flint.nmod_mat(m, PRIME) for m in whole)).rank() == n:
+    whole, prime = (A.numer_denom()[0], B.numer_denom()[0]), large_prime()
+    # vectors that are independent modulo a prime are independent
+    if krylov(*(flint.nmod_mat(m, prime) for m in whole)).rank() == n:
         return True
     return bool(krylov(*whole).rank() == n)
 
