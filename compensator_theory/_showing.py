@@ -16,7 +16,16 @@ GROUP = "compensator_theory.pictures"
 def picture_of(result: object, **options: Any) -> figures.Figure:
     """Return the picture of a result."""
     for one in entry_points(group=GROUP):
-        drawn: figures.Figure = one.load()(result, **options)
+        try:
+            draw = one.load()
+        except ModuleNotFoundError as error:
+            if (error.name or "").partition(".")[0] != one.name:
+                raise
+            raise InputError(
+                "pictures need the numeric half, rcac_numeric; this installation has the exact "
+                "half alone"
+            ) from None
+        drawn: figures.Figure = draw(result, **options)
         return drawn
     raise InputError(
         "no installed package draws exact results: pip install compensator-theory[plot]."
