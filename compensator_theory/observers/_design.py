@@ -10,6 +10,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex
 from compensator_theory._printing import text
+from compensator_theory.errors import InputError
 from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._flint_matrices import (
@@ -221,6 +222,11 @@ def observer_based_compensator(
     """
     system = realisation(plant, variable)
     s, n = system.variable, system.n
+    if not system.is_siso:
+        raise InputError(
+            f"the plant has {system.B.cols} inputs and {system.C.rows} outputs; for several signals "
+            "call stabilising_compensators(plant, regulator_poles, observer_poles, feedback=1)"
+        )
     p_R, p_O = (read_target_polynomial(poles, n, s) for poles in (regulator_poles, observer_poles))
     K = regulator_gain(system.A, system.B, p_R, variable=s)
     F = observer_gain(system.A, system.C, p_O, variable=s)

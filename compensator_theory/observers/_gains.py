@@ -17,6 +17,7 @@ from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import from_flint, zero_matrix
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices._linear_algebra import determinant, solve
+from compensator_theory.placement._gain_families import state_feedback_family
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
@@ -34,14 +35,17 @@ from compensator_theory.systems._controllability import (
 def regulator_gain(
     A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
-    r"""Return the unique K that places the eigenvalues of A + BK (Ackermann's formula).
+    r"""Return a gain K that places the eigenvalues of A + BK; with one input it is unique.
 
     .. math:: K = -\begin{bmatrix} 0 & \cdots & 0 & 1 \end{bmatrix}\,\mathcal C(A,B)^{-1} p_R(A)
+
+    That is Ackermann's formula, for one input. With several inputs many gains have these
+    eigenvalues, and K is the first member of :func:`state_feedback_family` that exists.
 
     Parameters
     ----------
     A, B : matrix
-        n x n and n x 1; symbols allowed, for generic values of them.
+        n x n and n x m; symbols allowed, for generic values of them.
     poles : polynomial or list of roots
         :math:`p_R`, of degree n; a list holds its *roots*.
     variable : str or Symbol, optional
@@ -50,14 +54,14 @@ def regulator_gain(
     Returns
     -------
     sympy.ImmutableMatrix
-        1 x n, with :math:`\det(sI - A - BK) = p_R`.
+        m x n, with :math:`\det(sI - A - BK) = p_R`.
 
     Raises
     ------
     NotControllableError
         If (A, B) is not controllable; the message names the polynomial of the fixed modes.
     InputError
-        If there are several inputs, or the number of poles is not n.
+        If the number of poles is not n.
 
     Notes
     -----
@@ -69,6 +73,10 @@ def regulator_gain(
     >>> from compensator_theory import regulator_gain
     >>> regulator_gain([[-1, 4], [0, -3]], [[0], [1]], [-5, -4])  # Example 7.1
     Matrix([[-3, -5]])
+    >>> regulator_gain([[0, 1], [0, 0]], [[1, 0], [0, 1]], [-1, -2])
+    Matrix([
+    [2, -7],
+    [2, -5]])
     """
     pair = rational_pair(A, B)
     if pair is None:
@@ -77,11 +85,8 @@ def regulator_gain(
     else:
         symbol = variable_for_matrix(variable)
         size, inputs = int(pair[0].nrows()), int(pair[1].ncols())
-    if inputs != 1:
-        raise InputError(
-            f"B has {inputs} columns; with several inputs many gains give the same eigenvalues. "
-            "Choose a direction v and place the poles of (A, Bv)"
-        )
+    if inputs > 1:
+        return _one_of_many(A, B, poles, symbol)
     goal = read_target_polynomial(poles, size, symbol)
     try:
         if pair is not None and is_rational(goal):
@@ -93,6 +98,19 @@ def regulator_gain(
             f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
             "modes from the plant, or change B"
         ) from error
+
+
+def _one_of_many(
+    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, variable: Symbol
+) -> ImmutableMatrix:
+    """Return the first gain of the family with these poles, for several inputs."""
+    uncontrollable = uncontrollable_polynomial(A, B, variable=variable)
+    if uncontrollable.degree() > 0:
+        raise NotControllableError(
+            "(A, B) is not controllable: every A + BK keeps the roots of "
+            f"{format_polynomial(uncontrollable)}. Remove these modes from the plant, or change B"
+        )
+    return state_feedback_family(A, B, poles, variable=variable).gain()
 
 
 def _rational_gain(a: flint.fmpq_mat, b: flint.fmpq_mat, goal: flint.fmpq_poly) -> ImmutableMatrix:
@@ -137,6 +155,8 @@ def _generic_regulator_gain(
     A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> tuple[ImmutableMatrix, list[Expr]]:
     K = regulator_gain(A, B, poles, variable=variable)
+    if K.rows > 1:
+        return K, list(state_feedback_family(A, B, poles, variable=variable).exceptional)
     return K, [determinant(controllability_matrix(A, B))]
 
 
@@ -144,14 +164,14 @@ def _generic_regulator_gain(
 def observer_gain(
     A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
-    r"""Return the unique F that places the eigenvalues of A - FC.
+    r"""Return a gain F that places the eigenvalues of A - FC; with one output it is unique.
 
     .. math:: F = p_O(A)\,\mathcal O(A,C)^{-1}\begin{bmatrix} 0 & \cdots & 0 & 1 \end{bmatrix}^T
 
     Parameters
     ----------
     A, C : matrix
-        n x n and 1 x n; symbols allowed, for generic values of them.
+        n x n and p x n; symbols allowed, for generic values of them.
     poles : polynomial or list of roots
         :math:`p_O`, of degree n; a list holds its *roots*.
     variable : str or Symbol, optional
@@ -160,14 +180,15 @@ def observer_gain(
     Returns
     -------
     sympy.ImmutableMatrix
-        n x 1, with :math:`\det(sI - A + FC) = p_O`.
+        n x p, with :math:`\det(sI - A + FC) = p_O`; with several outputs one of many, the dual of
+        :func:`regulator_gain`.
 
     Raises
     ------
     NotObservableError
         If (A, C) is not observable; the message names the polynomial of the fixed modes.
     InputError
-        If there are several outputs, or the number of poles is not n.
+        If the number of poles is not n.
 
     Notes
     -----
@@ -180,11 +201,6 @@ def observer_gain(
     Matrix([[4, -3/4]])
     """
     a, c = exact_matrix(A, "A"), exact_matrix(C, "C")
-    if c.rows != 1:
-        raise InputError(
-            f"C has {c.rows} rows; with several outputs many gains give the same eigenvalues. "
-            "Choose a combination w and place the poles of (A, wC)"
-        )
     try:
         return ImmutableMatrix(-regulator_gain(a.T, c.T, poles, variable=variable).T)
     except NotControllableError as error:
@@ -200,8 +216,8 @@ def _generic_observer_gain(
     A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> tuple[ImmutableMatrix, list[Expr]]:
     F = observer_gain(A, C, poles, variable=variable)
-    transposed = (exact_matrix(M, name).T for M, name in ((A, "A"), (C, "C")))
-    return F, [determinant(controllability_matrix(*transposed))]
+    a, c = (exact_matrix(M, name).T for M, name in ((A, "A"), (C, "C")))
+    return F, _generic_regulator_gain(a, c, poles, variable=variable)[1]
 
 
 def read_target_polynomial(poles: SpectrumLike, size: int, variable: Symbol) -> Poly:

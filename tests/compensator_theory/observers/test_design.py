@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 
 import compensator_theory as ct
 from compensator_theory.errors import ImproperError, NotControllableError, NotObservableError
-from compensator_theory.strategies import matrices, spectra, strictly_proper_plants
+from compensator_theory.strategies import (
+    matrices,
+    minimal_mimo_plants,
+    spectra,
+    strictly_proper_plants,
+)
 
 s = sympy.Symbol("s")
 MOTOR = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
@@ -80,6 +85,15 @@ def test_gains_place_the_eigenvalues(plant, data):
     F = ct.observer_gain(system.A, system.C, observer)
     assert characteristic(system.A + system.B * K) == regulator
     assert characteristic(system.A - F * system.C) == observer
+
+
+@given(st.integers(1, 3).flatmap(minimal_mimo_plants), st.data())
+def test_gains_of_several_signals(plant, data):
+    A, B, C = plant
+    roots = [ct.polynomial_from_roots(data.draw(spectra(A.rows)), "s") for _ in range(2)]
+    K, F = ct.regulator_gain(A, B, roots[0]), ct.observer_gain(A, C, roots[1])
+    assert characteristic(A + B * K) == roots[0]
+    assert characteristic(A - F * C) == roots[1]
 
 
 def test_gains_agree_with_python_control():
@@ -159,10 +173,12 @@ def test_refusals():
         ct.observer_gain(A, C, [-1, -2])
     with pytest.raises(NotControllableError, match="s - 2"):
         ct.observer_based_compensator((A, B, [[1, 1]]), [-1, -2], [-3, -4], variable="s")
-    with pytest.raises(ct.InputError, match="2 columns"):
-        ct.regulator_gain(A, [[1, 0], [0, 1]], [-1, -2])
-    with pytest.raises(ct.InputError, match="2 rows"):
-        ct.observer_gain(A, [[1, 0], [0, 1]], [-1, -2])
+    with pytest.raises(ct.InputError, match="stabilising_compensators"):
+        ct.observer_based_compensator(([[0]], [[1, 2]], [[1]]), [-1], [-2], variable="s")
+    with pytest.raises(NotControllableError, match="s - 2"):
+        ct.regulator_gain(A, [[1, 2], [0, 0]], [-1, -2])
+    with pytest.raises(NotObservableError, match="s - 1"):
+        ct.observer_gain(A, [[0, 1], [0, 2]], [-1, -2])
     with pytest.raises(ct.InputError, match="degree 1"):
         ct.regulator_gain(*MOTOR[:2], [-1])
     with pytest.raises(ct.InputError, match="conjugate"):
