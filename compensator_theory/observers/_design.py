@@ -224,8 +224,8 @@ def observer_based_compensator(
     s, n = system.variable, system.n
     if not system.is_siso:
         raise InputError(
-            f"the plant has {system.B.cols} inputs and {system.C.rows} outputs; for several signals "
-            "call stabilising_compensators(plant, regulator_poles, observer_poles, feedback=1)"
+            f"the plant has {system.B.cols} inputs and {system.C.rows} outputs; for several call "
+            "stabilising_compensators(plant, regulator_poles, observer_poles, feedback=1)"
         )
     p_R, p_O = (read_target_polynomial(poles, n, s) for poles in (regulator_poles, observer_poles))
     K = regulator_gain(system.A, system.B, p_R, variable=s)
