@@ -13,12 +13,11 @@ from compensator_theory.polynomials._budget import repr_of
 _FACTORED = 2**30  # SymPy writes roots of smaller numbers in one form: its trial division ends
 _PAIRS = (sympy.sin, sympy.cos, sympy.tan)
 _TRIGONOMETRIC = sympy.functions.elementary.trigonometric.TrigonometricFunction
-DEAD_TIME = Advice(
-    "design",
-    (("dead_time", ""),),
-    "pass a dead time separately: as dead_time= to {function}, sampled as 1/q**d, or as a list of "
-    "polynomials to stability_delays",
+_DEAD_TIME = (
+    "as dead_time={dead_time} to {function}, sampled as 1/q**d, or as a list of polynomials to "
+    "stability_delays"
 )
+DEAD_TIME = Advice("design", (("dead_time", "..."),), f"pass a dead time separately: {_DEAD_TIME}")
 _ALGEBRAIC_NAMES = (sympy.GoldenRatio, sympy.TribonacciConstant)
 
 
@@ -137,9 +136,21 @@ def _of_symbols(part: Expr) -> tuple[str | Advice, ...]:
             f"{subject} relations between roots are not decided; write a symbol for {root}{rest}",
         )
     if _holds_a_dead_time(part):
-        return f"{repr_of(part)} is no rational function of its symbols; ", DEAD_TIME
+        return f"{repr_of(part)} is no rational function of its symbols; ", _dead_time_advice(part)
     return (
         f"{subject} relations between such functions are not decided; write a symbol in its place",
+    )
+
+
+def _dead_time_advice(part: Expr) -> Advice:
+    """Return the advice for an exponential, with the dead time of exp(-h s), h a number."""
+    factor, variable = part.args[0].as_coeff_Mul() if isinstance(part, sympy.exp) else (0, None)
+    if str(variable) != "s" or not factor < 0:
+        return DEAD_TIME
+    return Advice(
+        "design",
+        (("dead_time", f"{-float(factor):.15g}"),),
+        f"leave the exponential out and pass its dead time separately: {_DEAD_TIME}",
     )
 
 

@@ -57,6 +57,7 @@ class Unknowns:
         self._exponents: dict[Expr, Rational] = {}
         self._angles: dict[Expr, Rational] = {}
         self._roots: dict[Symbol, int] = {}
+        self._written: dict[Expr, Expr] = {}  # a function of the input by its monomial or base
         self._logarithms: set[Expr] = set()
         self._named: set[Expr] = set()
         self._nested: set[Expr] = set()
@@ -128,6 +129,7 @@ class Unknowns:
             self._note_terms(self._exponents, part)
         elif kind == "root":
             self.inner.add(part.base)
+            self._written.setdefault(part.base, part)
             self._roots[part.base] = lcm(self._roots.get(part.base, 1), int(part.exp.q))
         elif kind == "nested":
             self._nested.add(part)
@@ -139,6 +141,7 @@ class Unknowns:
     def _note_terms(self, kinds: dict[Expr, Rational], part: Expr) -> None:
         for monomial, factor in _terms(part):
             self.inner |= monomial.free_symbols
+            self._written.setdefault(monomial, part)
             kinds[monomial] = _common(kinds.get(monomial, sympy.S.Zero), factor)
 
     def _join_powers_of_e(self) -> None:
@@ -171,15 +174,10 @@ class Unknowns:
             raise NotCarriedError(sympy.sin(min(self._angles, key=str)))
 
     def function_of(self, symbols: Iterable[Symbol]) -> Expr | None:
-        """Return a function of one of these symbols, if there is any."""
+        """Return a function of one of these symbols as it was written, if there is any."""
         names = set(symbols)
-        for monomial in self._exponents:
-            if monomial.free_symbols & names:
-                return sympy.exp(monomial)
-        for monomial in self._angles:
-            if monomial.free_symbols & names:
-                return sympy.sin(monomial)
-        return next((sympy.sqrt(k) for k in self._roots if k in names), None)
+        written = self._written.items()
+        return next((part for inner, part in written if inner.free_symbols & names), None)
 
     def image(self, expression: Expr) -> Expr:
         """Replace functions by unknowns in an expression."""

@@ -53,7 +53,8 @@ AT_THE_SHELL = {
     ),
     ("transfer_function", "obj"): 'such as "1/(q + 2)"',
     ("design", "dead_time"): (
-        "a dead time is given apart: as --dead-time to rcac design, sampled as 1/q**d"
+        "leave the exponential out and pass its dead time in seconds to rcac design as "
+        "--dead-time {value}, or sample it as 1/q**d"
     ),
     ("read_log", "columns"): "Name them with --columns t,u,y",
     ("read_log", "resample"): "resample it with --resample {value}",

@@ -15,7 +15,7 @@ from rcac_numeric.analysis._boundaries import (
     phase_boundary,
     phase_crossovers,
 )
-from rcac_numeric.analysis._closed_loop import ClosedLoop
+from rcac_numeric.analysis._closed_loop import OTHER_SIGN, ClosedLoop
 from rcac_numeric.analysis._disk import DiskMargin, disk_margin_of
 from rcac_numeric.analysis._loop_analysis import attempted
 from rcac_numeric.analysis._opened_loop import OpenedLoop, broken_loop
@@ -100,7 +100,7 @@ class Margins(Result):
         if not self.is_stable:
             return (
                 f"The loop is unstable, spectral radius {self.spectral_radius:.6g}: it has no "
-                "margins."
+                f"margins.{OTHER_SIGN * self.loop.has_stable_opposite}"
             )
         assert self.gain_up is not None
         assert self.gain_down is not None

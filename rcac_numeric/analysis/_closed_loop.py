@@ -21,6 +21,11 @@ from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import measuring_command, plant_at
 
+# The next step for an unstable loop that is stable with the other sign of feedback.
+OTHER_SIGN = (
+    " With the other sign of feedback the loop is stable: negate past_y of the Compensator, which "
+    "computes u = G_c y, or change feedback=."
+)
 FEW = 1000  # recursions up to this length are evaluated step by step
 
 
@@ -144,6 +149,15 @@ class ClosedLoop(Value):
         By powers, by eigenvalues with their bound, or by an exact count.
         """
         return is_schur_stable(self.matrices[0])
+
+    @property
+    def has_stable_opposite(self) -> bool:
+        """Whether the loop of -G_c is stable, as a controller designed for u = -G_c y is."""
+        G_c = self.compensator
+        negated = Compensator(G_c.past_u, -G_c.past_y, G_c.sample_time)
+        return (
+            closes(negated.past_y[0], self.plant.D_0) and ClosedLoop(self.plant, negated).is_stable
+        )
 
     def frequency_response(self, omega: ArrayLike) -> ComplexArray:
         """Return the response (2.9) from w to z, (len(omega), l_z, l_w), omega in rad/sample."""

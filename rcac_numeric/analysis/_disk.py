@@ -11,7 +11,7 @@ import numpy as np
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis._closed_loop import ClosedLoop
+from rcac_numeric.analysis._closed_loop import OTHER_SIGN, ClosedLoop
 from rcac_numeric.analysis._loop_analysis import closed_loop
 from rcac_numeric.analysis._opened_loop import OpenedLoop
 from rcac_numeric.analysis._peaks import Matrices, hinf_norm, level_crossings, response_of
@@ -260,6 +260,7 @@ def multivariable_disk_margin(
     if not loop.is_stable:
         raise InputError(
             f"the loop is unstable, spectral radius {loop.spectral_radius:.6g}: it has no margins."
+            f"{OTHER_SIGN * loop.has_stable_opposite}"
         )
     plant, controller = loop.plant, loop.compensator.state_space()
     one_of(at, "at", ("u", "y"))

@@ -146,6 +146,11 @@ class OpenedLoop(Value):
         direct = 1 + self.D[0, 0]
         return bool(direct) and is_schur_stable(self.A - self.B @ self.C / direct)
 
+    @property
+    def has_stable_opposite(self) -> bool:
+        """Whether the loop with the other sign of feedback, 1 - L = 0, is stable."""
+        return OpenedLoop(self.A, self.B, -self.C, -self.D).is_stable
+
     def delayed(self, steps: int) -> OpenedLoop:
         """Return the loop with `steps` more steps of delay."""
         if steps == 0:

@@ -10,6 +10,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.analysis._classical import Margins
+from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._internal_models import drift_of
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.arrays._array_types import Array
@@ -18,7 +19,7 @@ from rcac_numeric.checks._check import ControllerCheck
 from rcac_numeric.checks._health import DRIFT, HealthWarning, LoopHealth
 from rcac_numeric.checks._target_errors import TURNED, target_errors, zeros_of
 from rcac_numeric.checks._trials import pole_remedy
-from rcac_numeric.checks._warnings import RULES, Finding, warning_of
+from rcac_numeric.checks._warnings import OTHER_SIGN, RULES, Finding, warning_of
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import SupervisionRecord
@@ -49,12 +50,13 @@ T = TypeVar("T")
 def warnings_of_run(health: LoopHealth, analysis: LoopAnalysis) -> tuple[HealthWarning, ...]:
     """Every warning of a run, the grave ones first."""
     run = analysis.run
+    is_fixed = isinstance(run.settings, FixedController)
     errors = _of_target(target_errors, analysis)
     learnt, directed = learning_warnings(run), _of_target(direction_errors, analysis)
     remedies = [*dict.fromkeys(one.next_step for one in (*learnt, *errors, *directed))]
     rules = (
         _ended_badly(run),
-        _unstable(health),
+        _unstable(health, analysis.loop if is_fixed and health.is_stable is False else None),
         _transients(health, run),
         _control(health, run, analysis),
         _worse(health, run),
@@ -68,7 +70,6 @@ def warnings_of_run(health: LoopHealth, analysis: LoopAnalysis) -> tuple[HealthW
         _slow(health),
     )
     zeros = _of_target(sampling_zero_remedies, analysis)
-    is_fixed = isinstance(run.settings, FixedController)
     warnings = [
         warning_of(finding, remedies, zeros, is_fixed=is_fixed)
         for rule in rules
@@ -143,7 +144,8 @@ def fir_target_obstacle(plant: Plant, target: TargetModel) -> str:
 
 def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[HealthWarning, ...]:
     """Every warning of a logged controller, the grave ones first."""
-    warnings = [*_unstable(health), *_margins(health), *_slow(health)]
+    fixed = check.loop if check.is_fixed else None
+    warnings = [*_unstable(health, fixed), *_margins(health), *_slow(health)]
     if not check.is_consistent:
         search = check.conventions
         numbers = {}
@@ -163,9 +165,12 @@ def _ended_badly(run: Run) -> Iterator[Finding]:
         yield key if key in RULES else "diverged", numbers
 
 
-def _unstable(health: LoopHealth) -> Iterator[Finding]:
+def _unstable(health: LoopHealth, fixed: ClosedLoop | None) -> Iterator[Finding]:
+    """The loop is unstable; `fixed` is that of a controller that does not adapt."""
     if health.is_stable is False:
-        yield "unstable", {"radius": health.spectral_radius}
+        is_turned = fixed is not None and fixed.has_stable_opposite
+        step = {"next_step": OTHER_SIGN} if is_turned else {}
+        yield "unstable", {"radius": health.spectral_radius, **step}
 
 
 def _transients(health: LoopHealth, run: Run) -> Iterator[Finding]:

@@ -25,7 +25,7 @@ def draw_control(axis: Axes, run: Run) -> None:
         axis.step(np.arange(len(column)), column, where="post", linewidth=1.1, color=WANTED,
                   label="applied" if i == 0 else None)  # fmt: skip
     if run.u.shape[1] == 1:
-        axis.lines[0].set(label="asked for", alpha=0.6)
+        axis.lines[0].set(label="requested", alpha=0.6)
     axis.legend(fontsize=8)
 
 
@@ -86,7 +86,7 @@ def draw_poles(
     """Draw closed-loop poles, target poles, and zeros from w to z."""
     finite = np.isfinite(poles)
     kinds = [
-        PoleGroup("asked for", "asked for", requested, "s", WANTED, 10),
+        PoleGroup("requested", "requested", requested, "s", WANTED, 10),
         PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6),
         PoleGroup("poles reached", "pole", poles[finite], "x", REACHED, 7),
     ]

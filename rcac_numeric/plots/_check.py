@@ -110,7 +110,7 @@ def _poles(axis: Axes, check: ControllerCheck) -> None:
     groups = []
     if check.comparison is not None:
         groups.append(
-            PoleGroup("asked for", "asked for", check.comparison.requested_poles, "s", WANTED, 10)
+            PoleGroup("requested", "requested", check.comparison.requested_poles, "s", WANTED, 10)
         )
     zeros = largest_counts(check.zeros.values())
     groups.append(PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6))

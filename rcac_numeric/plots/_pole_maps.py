@@ -132,7 +132,7 @@ def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
     try:
         if not analysed.obstacle:
             comparison = analysed.comparison
-            groups["asked for"] = comparison.requested_poles
+            groups["requested"] = comparison.requested_poles
             groups["zeros"] = largest_counts(comparison.zeros.values())
             groups["poles"] = comparison.poles
         else:
@@ -144,7 +144,7 @@ def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
     drawn = [
         PoleGroup(name, word, values[np.isfinite(values)], marker, colour, size)
         for name, word, marker, colour, size in (
-            ("asked for", "asked for", "s", WANTED, 10.0),
+            ("requested", "requested", "s", WANTED, 10.0),
             ("zeros", "zero", "o", SECOND, 7.0),
             ("poles", "pole", "x", REACHED, 7.0),
         )

@@ -9,6 +9,7 @@ import numpy as np
 
 import compensator_theory as exact
 from rcac_numeric.analysis._classical import Margins
+from rcac_numeric.analysis._closed_loop import OTHER_SIGN
 from rcac_numeric.analysis._exact_comparison import NEAR, REACHED, ExactComparison
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis._match import IntercalatedMatch, ResidualSplit
@@ -371,7 +372,10 @@ def analysis_sheet(analysis: LoopAnalysis) -> Sheet:
         health = poles_and_health(missed, health_lines(loop_health(analysis)))
     else:
         remark = ""
-        health = (stability_line(analysis.loop.is_stable, analysis.loop.spectral_radius),)
+        loop = analysis.loop
+        health = (stability_line(loop.is_stable, loop.spectral_radius),)
+        if not loop.is_stable and loop.has_stable_opposite:
+            health += (Text(OTHER_SIGN.strip(), "warning"),)
     return Sheet("Closed loop", remark, health, (loop_section(analysis),))
 
 

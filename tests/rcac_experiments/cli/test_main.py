@@ -293,4 +293,5 @@ def test_a_plant_with_a_minus_sign_is_no_option(rcac, plant):
 
 
 def test_a_dead_time_in_a_formula_is_told_its_option(rcac):
-    assert "--dead-time" in rcac("design", "exp(-s)/(s + 1)", "--assume").stderr
+    stderr = rcac("design", "exp(-0.5*s)/(s + 1)", "--assume").stderr
+    assert "exp(-s/2)" in stderr and "--dead-time 0.5" in stderr

@@ -75,7 +75,7 @@ def test_a_distribution_has_every_repetition(rounding):
 def test_the_poles_asked_for_are_drawn(rounding):
     name = next(iter(rounding.results))
     figure = plot_request(rounding, FigureRequest("poles", "", runs=[name]))
-    requested = lines(figure)["asked for"]
+    requested = lines(figure)["requested"]
     expected = rounding.results[name].first.comparison.requested_poles
     assert np.allclose(sorted(requested.get_xdata()), sorted(expected.real))
 

@@ -16,6 +16,7 @@ from rcac_numeric import (
     ClosedLoop,
     Compensator,
     ControllerSettings,
+    LoopAnalysis,
     Plant,
     fir_target,
     iir,
@@ -188,6 +189,19 @@ def test_an_unstable_loop_has_no_margins_and_says_so():
     margins = stability_margins(tf([4.0], [1, -2]), feedback=-1)
     assert not margins.is_stable and margins.gain_up is None and margins.delay_time is None
     assert "unstable" in str(margins) and len(margins.phase_crossovers)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_loop_of_the_other_sign_is_named(sign):
+    """q^2 - q - 2 + 2.5 is stable, q^2 - q - 2 - 2.5 is not; a pole at 2 without feedback stays."""
+    plant = standard_plant("1/(q - 2)")
+    loop = ClosedLoop(plant, Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[2.5 * sign]]]))
+    idle = ClosedLoop(plant, Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]]))
+    assert loop.is_stable != loop.has_stable_opposite and not idle.has_stable_opposite
+    assert stability_margins(loop).loop.has_stable_opposite == loop.has_stable_opposite
+    for words in (str(stability_margins(loop)), LoopAnalysis((plant, loop.compensator)).report()):
+        assert ("negate past_y" in words) == (not loop.is_stable)
+    assert "negate past_y" not in str(stability_margins(idle))
 
 
 def test_without_crossovers():

@@ -71,6 +71,16 @@ def test_nothing_that_is_said_of_a_fixed_controller_speaks_of_adaptation():
     assert names >= {"unstable", "slow", "inconsistent log", "saturated"}
 
 
+@pytest.mark.parametrize(("gain", "is_turned"), [(0.5, True), (-0.5, False), (3.0, False)])
+def test_the_other_sign_is_advised_where_it_stabilises(gain, is_turned):
+    """u(k) = gain y(k-1) on 1/(q - 0.9): the poles are the roots of q^2 - 0.9 q - gain."""
+    steps = [
+        step for code, _, step in said(loop_of("1/(q - 0.9)", gain, 60)[1]) if code == "unstable"
+    ]
+    assert len(steps) == (gain > 0)
+    assert any("other sign" in step for step in steps) == is_turned
+
+
 def test_an_adapting_one_still_gets_it():
     plant = standard_plant("(q - 1.5)/(q*(q - 0.5))")
     settings = ControllerSettings(
