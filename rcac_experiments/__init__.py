@@ -1,4 +1,4 @@
-"""What uses the two libraries: experiment files, judging, studies, pages, the dissertation, `rcac`.
+"""Users of the two libraries: experiment files, judging, studies, pages, the dissertation, `rcac`.
 
 Every name below is imported when it is first used, so that the command line answers at once.
 """

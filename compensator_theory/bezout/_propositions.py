@@ -97,7 +97,7 @@ def check_proposition_3(
     Notes
     -----
     Source: Proposition 3, N read with formal degree n_c. The text adds :math:`n_c \le n` to the
-    right side, because its :math:`\mathcal M_1` asks for :math:`l \le k`; the equality holds
+    right side, because its :math:`\mathcal M_1` requires :math:`l \le k`; the equality holds
     without it.
 
     Examples

@@ -74,7 +74,7 @@ def sylvester_m(
     -----
     Source: (7.37), (7.38). With :math:`\hat m_c = n-1` it is the square matrix
     :math:`\mathcal M_1(D, N)`, N taken with formal degree n_c, for every :math:`n_c \ge n-1`;
-    Proposition 3 asks for :math:`n_c \le n` only because its :math:`\mathcal M_1` asks for
+    Proposition 3 requires :math:`n_c \le n` only because its :math:`\mathcal M_1` needs
     :math:`l \le k`.
 
     Examples

@@ -62,7 +62,7 @@ def exceptional_cases(
     ExceptionalCases
         Each case is answered, with the certificate that the function gives, or refused by an error
         with the reason, or open: the equation could not be solved for a symbol,
-        the budget said stop, or the input has another shape there.
+        the budget was exceeded, or the input has another shape there.
 
     Raises
     ------

@@ -111,7 +111,7 @@ def compensator_from_sensitivity(
     ).reduced()
     if not G_c.is_proper:
         raise ImproperError(
-            f"S = {S} asks for the improper compensator {G_c}: 1 - S has relative degree "
+            f"S = {S} needs the improper compensator {G_c}: 1 - S has relative degree "
             f"{_relative_degree(change, S)}, which must be at least that of the plant, "
             f"{G.relative_degree}"
         )

@@ -281,7 +281,7 @@ def _certificate(
             for factor, other in zip(row, E, strict=True):
                 motion -= factor * other[j]
             at_start = E[i][j].numer.evaluate(start) - int(i == j) * E[i][j].denom.evaluate(start)
-            numeric = not hasattr(at_start, "as_expr")  # where every symbol has got a value
+            numeric = not hasattr(at_start, "as_expr")  # every symbol has a value
             left += [
                 field.to_sympy(motion),
                 QQ.to_sympy(at_start) if numeric else at_start.as_expr(),

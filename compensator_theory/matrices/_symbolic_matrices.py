@@ -265,7 +265,7 @@ def over_one(
 
 
 def product_with_symbols(*factors: Matrix) -> ImmutableMatrix | None:
-    """Multiply matrices of rational functions; None where `over_common_symbols` has none."""
+    """Multiply matrices of rational functions; None if an entry is no rational function."""
     if (read := over_common_symbols(*factors)) is None:
         return None
     return _product(*read)

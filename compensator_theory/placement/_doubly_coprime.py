@@ -205,7 +205,7 @@ def read_plant(
 
 
 def require_stable(matrix: ImmutableMatrix, variable: Symbol, name: str) -> None:
-    """Refuse a matrix with an unstable eigenvalue; where symbols decide, it passes."""
+    """Refuse an unstable matrix; accept one whose stability depends on symbols."""
     polynomial = characteristic_polynomial(matrix, variable)
     if decide_stability(polynomial, time=time_of(variable, "stability")).is_stable is False:
         raise InputError(

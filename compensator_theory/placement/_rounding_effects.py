@@ -49,7 +49,7 @@ class RoundingEffect(ExactValue):
 
     @property
     def share(self) -> float:
-        """The same relative to the distance of that exact pole from the stability boundary."""
+        """The displacement over the distance of that exact pole from the stability boundary."""
         return self._largest_move[1]
 
     @cached_property

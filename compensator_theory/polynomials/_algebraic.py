@@ -210,7 +210,7 @@ def _eliminated(poly: flint.fmpz_poly, image: flint.fmpz_mpoly) -> flint.fmpz_po
 
 
 def _of(poly: flint.fmpz_poly, ball: Callable[[int], flint.acb]) -> Algebraic:
-    """Find the irreducible factor and the root of it that a ball, as small as wanted, holds."""
+    """Find the irreducible factor and the root of it in a ball of any size."""
     factors = [factor for factor, _ in poly.factor()[1]]
 
     def attempt(bits: int) -> Algebraic | None:

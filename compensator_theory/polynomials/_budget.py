@@ -182,8 +182,8 @@ def ask(name: str, amount: int, subject: str) -> None:
     if amount > limit:
         size = str(amount) if amount < 10**15 else _order_of(amount)
         raise BudgetError(
-            f"{subject} needs {size} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
-            "raise it: with ",
+            f"{subject} needs {size} {_UNITS[name]}, and the limit is {limit}; reduce the problem, "
+            "or raise the limit: with ",
             Advice("compensator_theory.budget", ((name, "..."),), f"{{function}}({name}=...)"),
         )
 

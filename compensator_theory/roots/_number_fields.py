@@ -120,7 +120,7 @@ class FieldMatrix(ExactValue):
 
     @property
     def matrix(self) -> ImmutableMatrix:
-        """The same in SymPy's numbers: the generator written out."""
+        """The matrix in SymPy's numbers, with the generator as a radical or root."""
         length = max((len(entry) for row in self.entries for entry in row), default=0)
         generator = self.field.generator if length > 1 else sympy.Integer(1)
         powers = [generator**k for k in range(length)]
@@ -135,7 +135,7 @@ class FieldMatrix(ExactValue):
 
     @property
     def written(self) -> ImmutableMatrix | None:
-        """The same where SymPy can compute with it, else None.
+        """The matrix in SymPy's numbers, or None if SymPy cannot compute with it.
 
         Above degree 32, or the budget of it, SymPy isolates the generator for minutes whenever a
         number is printed or compared; rational entries have no generator.

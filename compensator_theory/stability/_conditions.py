@@ -56,7 +56,7 @@ def stability_conditions(
     poly : polynomial
         In s for the open left half plane, in z or q for the open unit disk; symbols stand for real
         numbers. Where the leading coefficient is symbolic, it is taken to be positive, and is the
-        first condition; for a negative one ask for the negative polynomial, and where it is zero
+        first condition; for a negative one pass the negated polynomial, and where it is zero
         for the remaining polynomial.
     variable : str or Symbol, optional
         Default: evident; a list of coefficients shows none.

@@ -180,7 +180,7 @@ def nevanlinna_pick(
         together with their conjugates.
     values : sequence of numbers, or of sequences of numbers
         One for each point: :math:`w_i`, or :math:`[w_i, w_i', w_i'', \ldots]` with derivatives, as
-        a double zero of the plant or a tangency asks for.
+        a double zero of the plant or a tangency requires.
     bound : number
         gamma, rational, at least 0.
     variable : str or Symbol

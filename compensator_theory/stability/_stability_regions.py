@@ -104,7 +104,7 @@ class StabilityRegion(ExactValue):
 
     @property
     def is_empty(self) -> bool:
-        """Whether no open set is stable; where the degree drops, ask for a `section`."""
+        """Whether no open set is stable; where the degree drops, see `section`."""
         return all(slab.is_empty for slab in self.slabs)
 
     def section(self, value: NumberLike) -> StabilityIntervals | StabilityRegion:

@@ -172,7 +172,7 @@ def _denominators(matrix: ImmutableMatrix) -> list[Expr]:
 def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
     """Tell whether some minor of full size is not zero, whatever the values; None if unknown.
 
-    The rank is full for some values, so that False is no answer here.
+    The rank is full for some values, so False would be wrong.
     """
     n = kalman.rows
     kalman = kalman[:, [j for j in range(kalman.cols) if not kalman[:, j].is_zero_matrix]]

@@ -363,7 +363,7 @@ class TransferFunction(System):
     _op_priority = 20.0  # SymPy's expressions delegate sums and products to this class
 
     def _sympy_(self) -> Expr:
-        """Answer SymPy's functions: simplify, apart, limit, inverse_laplace_transform, ..."""
+        """Convert to an expression for SymPy's functions, such as simplify, apart and limit."""
         return self.as_expr()
 
     def __add__(self, other: Operand) -> TransferFunction:
@@ -530,11 +530,11 @@ def _resultant_varies(top: Poly, bottom: Poly) -> bool:
     values = []
     for first in (3, 14):
         point = {x: Rational(first + 7 * k**2, 5) for k, x in enumerate(symbols)}
-        here = [Poly([c.xreplace(point) for c in p.all_coeffs()], p.gen) for p in (top, bottom)]
+        at_point = [Poly([c.xreplace(point) for c in p.all_coeffs()], p.gen) for p in (top, bottom)]
         degrees = [p.degree() for p in (top, bottom)]
-        if [p.degree() for p in here] != degrees or not all(
-            p.domain.is_QQ or p.domain.is_ZZ for p in here
+        if [p.degree() for p in at_point] != degrees or not all(
+            p.domain.is_QQ or p.domain.is_ZZ for p in at_point
         ):
             return False
-        values.append(here[0].resultant(here[1]))
+        values.append(at_point[0].resultant(at_point[1]))
     return bool(values[0] != values[1])

@@ -162,10 +162,10 @@ def check(
             raise InputError("--problem is the convention of a plant; give --plant too.")
         decision: Decision | str | None = None
         if problem is None and (plants := _plants(plant, inside, str(log), sample_time)):
-            seen = recorded.reading(convention_of(convention))
+            converted = recorded.reading(convention_of(convention))
             if limits is not None:
-                seen = replaced(seen, u=np.clip(seen.u, *limits))
-            decision, model = _decided(seen, plants)
+                converted = replaced(converted, u=np.clip(converted.u, *limits))
+            decision, model = _decided(converted, plants)
         if k_w is None:
             k_w = k_w_of(table) if controller is None else 0
         widths = (recorded.u.shape[1], recorded.y.shape[1])

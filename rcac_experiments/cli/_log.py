@@ -1,4 +1,4 @@
-"""The command `rcac log`: what a log holds."""
+"""The command `rcac log`: the contents of a log."""
 
 from __future__ import annotations
 

@@ -34,13 +34,13 @@ class Finding(Value):
 
 @dataclass(frozen=True, eq=False)
 class Checked(Result):
-    """What the check of an erratum found.
+    """The result of an erratum's check.
 
     Attributes
     ----------
     erratum : Erratum
     facts : tuple of Finding
-        That what is printed fails, and that what is said to be true holds.
+        Whether the printed statement fails and the corrected one holds.
     """
 
     _ANSWER = "holds"
@@ -55,7 +55,7 @@ class Checked(Result):
 
 
 def check_erratum(erratum: Erratum) -> Checked:
-    """Run what shows an erratum: its check, the counterexample of the ledger, or its claim.
+    """Run the evidence of an erratum: its check, the counterexample of the ledger, or its claim.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def check_erratum(erratum: Erratum) -> Checked:
 
 
 def can_run(erratum: Erratum) -> bool:
-    """Whether what shows it can be run here: the ledger of proofs is in a checkout alone."""
+    """Whether the evidence can run: the ledger of proofs is in a checkout only."""
     evidence = erratum.evidence
     if evidence.counterexample:
         return importlib.util.find_spec("proofs") is not None

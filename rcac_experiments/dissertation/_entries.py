@@ -1,4 +1,4 @@
-"""What an erratum says, and what shows that it is right."""
+"""Errata and their evidence."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KINDS = {
     "needs a hypothesis": "true where the text means it, and false without a condition that is "
     "not written",
     "unstated": "data without which the example cannot be run, or a number compared",
-    "depends": "true of some completions of what the text leaves open, and not of others",
+    "depends": "true of some completions of the open settings, not of others",
     "false": "not true as it stands, and no charitable reading was found by a second reader",
 }
 EVIDENCE = {
@@ -34,7 +34,7 @@ _NAMED = re.compile(
 
 @attrs.frozen(eq=False)
 class ErratumEvidence(Result):
-    """What shows that an erratum is right: one of three kinds, each of which runs.
+    """The evidence of an erratum: one of three kinds, each of which runs.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Erratum(Result):
     kind : str
         A key of `KINDS`.
     printed, true : str
-        What the text says, and what is so.
+        The printed statement, and the true one.
     evidence : ErratumEvidence
     charity : str
         The charitable reading that was tried first, and why it does not save the print.

@@ -32,7 +32,7 @@ _FILE: Table[_File] = Table(_File)
 
 
 def find_errata(where: str = "") -> tuple[Erratum, ...]:
-    """What is wrong in the dissertation's text at a place, or anywhere.
+    """Return the errata at a place of the dissertation, or all.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ FEW = 5  # repetitions of a run in a quick look
 
 @dataclass(frozen=True, eq=False)
 class Reproduction(Result):
-    """What was reproduced.
+    """The result of a reproduction.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class CompletedCases(Value):
 
 
 INTERRUPTED = 130
-PATIENCE = 0.2  # seconds between two looks at whether we are still wanted
+PATIENCE = 0.2  # seconds between two checks that the parent still runs
 
 
 @contextmanager

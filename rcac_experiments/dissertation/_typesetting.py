@@ -29,7 +29,7 @@ def typeset(text: str) -> Markup:
 
 
 def typeset_quotes(body: str) -> Markup:
-    """HTML in which the formulas of what stands in quotation marks are set."""
+    """Return HTML with the formulas of quotations typeset."""
     return Markup(_QUOTE.sub(lambda quote: typeset(unescape(quote.group(0))), body))
 
 
@@ -39,7 +39,7 @@ def _formula(text: str) -> Markup:
 
 
 def _read(tokens: list[str], i: int, stop: str) -> tuple[Markup, int]:
-    """What stands before the closing brace, and where it stands."""
+    """Return the text before the closing brace, and its position."""
     parts: list[Markup] = []
     while i < len(tokens) and tokens[i] != stop:
         one, i = _one(tokens, i)
@@ -68,7 +68,7 @@ def _one(tokens: list[str], i: int) -> tuple[Markup, int]:
 
 
 def _argument(tokens: list[str], i: int) -> tuple[Markup, int]:
-    """A group, or the first letter of what follows."""
+    """Return a group, or the next letter."""
     if i >= len(tokens):
         return Markup(""), i
     token = tokens[i]

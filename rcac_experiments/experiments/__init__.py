@@ -1,1 +1,1 @@
-"""Experiments, what is asked of them, and their verification."""
+"""Experiments, their requests, and their verification."""

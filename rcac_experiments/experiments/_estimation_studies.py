@@ -45,7 +45,7 @@ class Estimation(Value, ABC):
     @property
     @abstractmethod
     def words(self) -> str:
-        """What it is, in a word or two."""
+        """The kind, in a word or two."""
 
     @abstractmethod
     def execute(self, system: TrueSystem, steps: int, seed: int) -> EstimatedRun:
@@ -132,7 +132,7 @@ class EstimationStudy(Value):
     steps, seed, seeds : int
         Length, first seed, and how many seeds there are from it on.
     correction : str
-        What this run reads differently from the source.
+        The differences of this run from the source.
     """
 
     name: str

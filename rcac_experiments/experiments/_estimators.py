@@ -137,7 +137,7 @@ class Refinement(Estimation):
     model : RCMR
         With one coefficient.
     offset : float
-        What is added to theta to get the estimate.
+        Offset: the estimate is theta plus this.
     """
 
     model: RCMR
@@ -182,7 +182,7 @@ class IndirectLoop(Estimation):
 
     @property
     def words(self) -> str:
-        """What is fed back."""
+        """The measurement that is fed back."""
         fed_back = "output" if self.controller.has_observer else "full state"
         return f"RCMR and FPRE, {fed_back}"
 
@@ -261,7 +261,7 @@ def refined(
     x_0 : list of numbers
         Initial state of the model.
     offset : number
-        What is added to theta to get the estimate.
+        Offset: the estimate is theta plus this.
     """
     options: dict[str, Any] = {"B": B, "E_1": E_1, "subsystem": FIRSubsystem(1, strictly_proper)}
     if A_p is not None:
@@ -310,7 +310,7 @@ def controlled(
     B, E_1 : matrix
         Where theta acts and what it reads.
     C_r : matrix
-        What is to follow the command.
+        The output that follows the command.
     R_1, R_2 : number
         Weights of the regulator.
     command : number

@@ -86,7 +86,7 @@ def regulator_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Evaluati
     Parameters
     ----------
     poles : numbers
-        The eigenvalues asked for.
+        The requested eigenvalues.
     equals : matrix
         The gain that is claimed.
     """
@@ -101,7 +101,7 @@ def observer_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Evaluatio
     Parameters
     ----------
     poles : numbers
-        The eigenvalues asked for.
+        The requested eigenvalues.
     equals : matrix
         The gain that is claimed.
     """
@@ -152,7 +152,7 @@ def placement(
     Parameters
     ----------
     poles : numbers
-        The closed-loop poles asked for.
+        The requested closed-loop poles.
     compensator : str
         The compensator that is claimed.
     n_c : int, optional
@@ -206,7 +206,7 @@ def observer_based(
     compensator : str
         The pair N_c/D_c.
     answer : bool
-        What is claimed.
+        The claim.
     forms : int
         In how many forms; not looked at where it is left out.
     """
@@ -230,7 +230,7 @@ def placed_pair_is_observer_based(
     poles : numbers
         The 2n closed-loop poles.
     answer : bool
-        What is claimed.
+        The claim.
     """
     placement = exact.place_poles(system.transfer_function, poles, feedback=system.feedback)
     decision = exact.observers.pair_is_observer_based(
@@ -358,7 +358,7 @@ class ExactCheck(Value):
     statement : str
         A name of `STATEMENTS`.
     system : ExactSystem
-        What it is about.
+        The subject.
     arguments : mapping
         The keyword arguments of the statement.
 
@@ -420,7 +420,7 @@ class ExactResult(Value):
     found : str
         In words.
     silence : str
-        Empty: what is decided exactly has an answer.
+        Empty: an exact decision has an answer.
     """
 
     check: ExactCheck

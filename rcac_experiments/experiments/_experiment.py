@@ -49,10 +49,10 @@ class RunSpecification(Value):
     ----------
     settings : ControllerSettings, Decentralized or FixedController
     target : TargetModel, optional
-        What the loop is compared with; by default the target model that the controller has at
-        the last step. A controller that adapts nothing has none of its own.
+        The reference of the comparison; by default the target model that the controller has at
+        the last step. A fixed controller has none.
     correction : str
-        What this run reads differently from the source, or adds to it.
+        The differences of this run from the source.
     """
 
     steps: Annotated[int, Integer(1), "Length of the run."]
@@ -88,7 +88,7 @@ class RunSpecification(Value):
     ] = attrs.field(default=None, converter=attrs.converters.optional(np.atleast_1d))
     x_0_deviation: Annotated[
         float,
-        "The standard deviation of what each seed adds to the initial state.",
+        "The standard deviation of the random initial state of each seed.",
     ] = 0.0
     name: str
     plant: Plant | PlantSchedule
@@ -227,7 +227,7 @@ class Experiment(Value):
     Attributes
     ----------
     open : sequence of OpenItem
-        What its source leaves open.
+        Settings that the source leaves open.
     completions : mapping from names
         Runs or studies with other values of that, over which claims are judged; `completed` has
         them among those that run.
@@ -271,7 +271,7 @@ class Experiment(Value):
         return next(iter(self.runs.values()))
 
     def reduced(self, seeds: int = 3, *, keep_shares: bool = True) -> Experiment:
-        """The same experiment with at most so many seeds for each run, for a quick look.
+        """Return the experiment with at most so many seeds for each run, for a quick look.
 
         Runs that a claim judges by a share of their seeds keep them all, unless `keep_shares` is
         False: a share of a few says nothing. So do runs in plain arithmetic, in which rounding
@@ -330,7 +330,7 @@ class Experiment(Value):
         )
 
     def only(self, claims: Iterable[Claim]) -> Experiment:
-        """The same experiment with these of its claims, and the runs that they need."""
+        """Return the experiment with these claims only, and the runs that they need."""
         claims_of_result = tuple(claims)
         needed = {run for claim in claims_of_result for check in claim.checks for run in check.runs}
         needed |= {
@@ -346,7 +346,7 @@ class Experiment(Value):
         return replaced(self, claims=claims_of_result, runs=runs, studies=studies)
 
     def completed(self, names: Iterable[str] | None = None) -> Experiment:
-        """The same experiment with its completions, or those of these names, among its runs."""
+        """Return the experiment with all or the named completions among its runs."""
         chosen = self.completions if names is None else {n: self.completions[n] for n in names}
         runs = {n: one for n, one in chosen.items() if isinstance(one, RunSpecification)}
         studies = {n: one for n, one in chosen.items() if isinstance(one, EstimationStudy)}
@@ -420,12 +420,12 @@ class Verification(Result):
         return self.report().split("\n\n", 1)[0]  # its name and the health of its loop
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the report and, where something ran, its sheet of pictures."""
+        """The notebook view: the report and, where something ran, its sheet of pictures."""
         return notebook_of(self._sheet(), self.plot if self.results else None)
 
     @property
     def figure_requests(self) -> tuple[FigureRequest, ...]:
-        """The figures that the experiment asks for; the usual ones where it asks for none."""
+        """The requested figures; the default ones without a request."""
         if self.experiment.figures:
             return tuple(self.experiment.figures)
         if self.estimates:
@@ -433,9 +433,9 @@ class Verification(Result):
         return STANDARD_FIGURES if self.results else ()
 
     def plot(self, request: FigureRequest | None = None, *, width: float = 9.0) -> figures.Figure:
-        """One sheet on the main run; or the figure that is asked for, so many inches wide.
+        """One sheet on the main run; or the requested figure, so many inches wide.
 
-        `figure_requests` are those that an example asks for, or the usual ones.
+        `figure_requests` are those that an example requests, or the default ones.
         """
         from rcac_experiments.plots._requested import plot_verification
 

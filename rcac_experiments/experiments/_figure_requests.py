@@ -38,7 +38,7 @@ def _mappings(value: object, name: str) -> tuple[dict[str, Any], ...]:
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class FigureRequest(Value):
-    """One figure: what is drawn, of which runs, and the sentence below it.
+    """One figure: its kind, its runs, and the caption.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class FigureRequest(Value):
         estimates beside the truth, or with `magnitude` its error. "plant zeros": those of
         the plant, frozen at steps. "identified zeros": those that windows of the run's data show.
     caption : str
-        What the reader is to see in it.
+        The caption.
     runs : list of str
         Their names; all where they are left out.
     signal : str
@@ -103,7 +103,7 @@ class FigureRequest(Value):
             )
 
 
-# What a case that asks for no figure is drawn by: one question each.
+# The default figures of a case without requests: one question each.
 STANDARD_FIGURES = (
     FigureRequest("responses", "Performance z of every run."),
     FigureRequest("coefficients", "The coefficients theta of every run that adapts."),

@@ -33,7 +33,7 @@ from rcac_numeric.signals._waveforms import Harmonic, Ramp, Step, WhiteNoise
 
 
 class Record(NamedTuple):
-    """What an estimator is given, w and y, and what it is to find."""
+    """The data of an estimator, w and y, and the true values."""
 
     w: Array
     y: Array
@@ -77,7 +77,7 @@ class TrueSystem(Value):
     truth: Annotated[
         Sequence[tuple[int, float]],
         TRAJECTORY,
-        "What is to be estimated: linear between the steps, constant after the last.",
+        "The true values: linear between the steps, constant after the last.",
     ]
     A_then: Annotated[Array, AT_LAST] = attrs.field(default=None, converter=optional_array_like)
     D_1_then: Annotated[Array, AT_LAST] = attrs.field(default=None, converter=optional_array_like)

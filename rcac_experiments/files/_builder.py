@@ -68,17 +68,17 @@ class File(Heading):
     claims: Annotated[
         list[Claim],
         ListOf(CLAIM, needed="an array of tables, [[claims]]"),
-        "What is said of it, and what decides whether it holds.",
+        "Claims, with the checks that decide them.",
     ] = attrs.field(factory=list)
     figures: Annotated[
         list[FigureRequest],
         ListOf(FIGURE, needed="an array of tables, [[figures]]"),
-        "What is drawn of it; a sheet on the main run where they are left out.",
+        "Figures; by default a sheet on the main run.",
     ] = attrs.field(factory=list)
     open: Annotated[
         list[OpenItem],
         opens(OPEN_VALUE),
-        "What its source leaves open, and what was chosen.",
+        "Settings that the source leaves open, with the choice.",
     ] = attrs.field(factory=list)
 
 
@@ -99,7 +99,7 @@ def load_experiment(path: str | Path, budget: ExperimentBudget | None = None) ->
     path : path
         Of a file of at most 10 MiB.
     budget : ExperimentBudget, optional
-        What the case may take; `ExperimentBudget()` by default.
+        The budget of the case; `ExperimentBudget()` by default.
 
     Raises
     ------

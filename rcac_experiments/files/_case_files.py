@@ -22,7 +22,7 @@ from rcac_numeric.targets._model import TargetModel
 
 
 class CheckArguments(TypedDict):
-    """What `check_arguments` reads: keyword arguments of `check_controller`."""
+    """The result of `check_arguments`: keyword arguments of `check_controller`."""
 
     plant: Plant
     structure: Structure | None
@@ -31,7 +31,7 @@ class CheckArguments(TypedDict):
 
 
 def check_arguments(path: str | Path) -> CheckArguments:
-    """What an experiment file says of a logged controller, for `check_controller`.
+    """Read the arguments of `check_controller` from an experiment file.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def read_structure(
 
 
 class _Sizes:
-    """Widths of a log whose plant is not known, as far as a structure asks for them."""
+    """Widths of a log whose plant is not known, as far as the structure fixes them."""
 
     def __init__(self, l_u: int, l_y: int) -> None:
         self.l_u, self.l_y = l_u, l_y

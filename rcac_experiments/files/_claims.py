@@ -1,4 +1,4 @@
-"""The claims of an experiment file: what is said of a case, and the checks that decide it."""
+"""The claims of an experiment file, and the checks that decide them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rcac_experiments.judging._claim import Check, Claim
 from rcac_experiments.judging._measures import MEASURES, SIGNALS
 from rcac_experiments.judging._reading import check_table, claim_table
 
-# The claims that every case with a target model can make: what RCAC fits, and what explains it.
+# The standard claims of a case with a target model: the match, and the split of the residual.
 
 STEPS = (1_000, 10_000, 100_000)  # at which the dissertation's figures and ours stop to look
 NEAR = 0.1  # of the size of G_f, or of the power of the response to w

@@ -134,11 +134,11 @@ FORMS: Mapping[str, Form] = {
     "freeze": ListOf(_Interval()),
 }
 DOCS = {
-    "structure": "What the regressor is made of.",
+    "structure": "The structure, which defines the regressor.",
     "update": "How theta is adapted; as `arithmetic` in [run] where it is left out.",
     "R_z": "Weights of (2.41): numbers, matrices, or `{ z_squared = c, constant = b, nu = a }` "
     "for (b + c z'z)/(1 + a |z|)^2 I.",
-    "z_normalization": "f(z) in the place of z in the cost: `{ limit = 5 }`.",
+    "z_normalization": "f(z) instead of z in the cost: `{ limit = 5 }`.",
     "bounds": "Of theta: `{ low = 0, high = 5, gains = { K_D = [0, 1] } }`, or an ellipsoid, "
     "`{ center = [1, 2], factor = [[0.1, 0], [0, 0.2]] }`.",
     "fixed": "A compensator in parallel: `{ past_u = [[[1]]], past_y = [[[0]], [[0.5]]] }`.",
@@ -151,11 +151,11 @@ DOCS = {
 def _several(
     shared_u: Annotated[
         bool,
-        "Of [[controllers]]: every regressor holds the sum of all outputs in place of its own; "
+        "Of [[controllers]]: every regressor holds the sum of all outputs, not its controller's; "
         "with saturation that is needed.",
     ] = False,
 ) -> bool:
-    """What several controllers have in common."""
+    """The common options of several controllers."""
     return shared_u
 
 
@@ -175,7 +175,7 @@ ONE_OF_SEVERAL = PartialTable(
         ControllerSettings,
         supplied=["learning"],
         forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
-        docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
+        docs={**DOCS, "target": "A separate target model, or its differences from [target]."},
         is_later=True,
     )
 )
@@ -194,7 +194,7 @@ class ControllerSpecification(Value):
     ) -> tuple[AnyController, TargetModel | None]:
         """The controller, and the target model that it does not hold itself.
 
-        What a target model takes from the plant is taken from the plant at step 0; `target` is
+        A target model takes the plant's parameters at step 0; `target` is
         what its table makes of this plant, where that is known.
         """
         if self.target is None:
@@ -215,12 +215,12 @@ NO_TARGET = (
 def read_controllers(
     common: Raw, target: Raw, several: list[Raw], place: Callable[[str], Location]
 ) -> ControllerSpecification:
-    """What [controller], [target] and [[controllers]] ask for.
+    """The settings of [controller], [target] and [[controllers]].
 
     Each of several takes from [controller] and [target] what it does not say itself. `place` says
     where the table of a name stands.
     """
-    here = place("controller")
+    location = place("controller")
     if not several:
         if not target:
             raise InputError(NO_TARGET)
@@ -229,17 +229,17 @@ def read_controllers(
         with errors:
             of_target = TARGET.table.read(target, place("target"))
         with errors:
-            read = (CONTROLLER.table.read(common, here),)
+            read = (CONTROLLER.table.read(common, location),)
         errors.raise_any()
         return ControllerSpecification(read, of_target)
     shared = {key.name for key in SEVERAL.keys}
-    shared_u: bool = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
+    shared_u: bool = SEVERAL.read({k: v for k, v in common.items() if k in shared}, location)
     base = {key: value for key, value in common.items() if key not in shared}
     parts, errors = [], Errors()
     for number, entry in enumerate(several, 1):
         joined = ONE_OF_SEVERAL.joined(base, entry)
         there = place("controllers")
-        run = there.notes or here.notes or place("target").notes
+        run = there.notes or location.notes or place("target").notes
         there = replace(there, notes=(f"no. {number}", *run))
         joined_target = TARGET.joined(target, joined.pop("target", {}))
         with errors:

@@ -47,7 +47,7 @@ NAME = "design.toml"
 
 
 def design_toml(design: Design) -> str:
-    """A design as an experiment file, for `load_experiment`: what was decided, and why.
+    """A design as an experiment file, for `load_experiment`, with the decisions and their reasons.
 
     Parameters
     ----------
@@ -104,9 +104,9 @@ def experiment_file(
     plant, settings, expected, steps, saturation
         Of the design.
     words : sequence of str
-        What the file begins with.
+        The head of the file.
     reasons : mapping from names of settings
-        What stands beside them.
+        The other tables.
     adapts : bool
         Whether RCAC is the first run.
 
@@ -184,7 +184,7 @@ def experiment_file(
 
 
 def _structure_lines(structure: Structure) -> list[str]:
-    """A structure by its kind and what that asks for; a table of one's own by its taps."""
+    """A structure by its kind and its arguments; a table by its taps."""
     n_c, m, l_y, l_r = structure.n_c, structure.l_u, structure.l_y, structure.l_r
     terms, candidates = structure.name, []
     if set(terms) <= set("PID"):
@@ -258,7 +258,7 @@ def _signal(signal: Signal, steps: int, factor: float = 1.0) -> str:
 
 
 class DesignArguments(TypedDict):
-    """What `design_arguments` reads: keyword arguments of `design`; None where nothing is said."""
+    """The result of `design_arguments`: keyword arguments of `design`; None for a missing key."""
 
     plant: Any
     sample_time: float | None
@@ -269,7 +269,7 @@ class DesignArguments(TypedDict):
 
 
 def design_arguments(path: str | Path) -> DesignArguments:
-    """What an experiment file says of a plant and what acts on it, for `design`.
+    """Read plant and signals of an experiment file, for `design`.
 
     Parameters
     ----------

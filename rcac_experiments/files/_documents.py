@@ -142,7 +142,7 @@ NUMBER_AND_SOURCE = (
 
 
 class HeadingWords(TypedDict):
-    """What an experiment takes from its heading."""
+    """The heading of an experiment."""
 
     id: str
     title: str
@@ -152,7 +152,7 @@ class HeadingWords(TypedDict):
 
 @attrs.frozen(eq=False, kw_only=True)
 class Heading:
-    """What an experiment is about."""
+    """The subject of an experiment."""
 
     title: Annotated[str, "What it is about, in a line."] = ""
     id: Annotated[str, NUMBER_AND_SOURCE] = ""
@@ -160,7 +160,7 @@ class Heading:
     notes: Annotated[str, "What a reader of the report should know."] = ""
 
     def words(self, file: str) -> HeadingWords:
-        """What the experiment of this file takes from it."""
+        """The part of it that the experiment uses."""
         return {
             "id": self.id or Path(file).stem,
             "title": self.title,

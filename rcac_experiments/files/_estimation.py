@@ -90,7 +90,7 @@ FIGURE = Table(
 
 
 def estimation_figure(request: FigureRequest, runs: Sequence[str]) -> FigureRequest:
-    """The figure that a table asks for, if its runs are there."""
+    """The figure of a table, if its runs exist."""
     for name in request.runs:
         require_run(name, runs, "a figure")
     return request
@@ -121,7 +121,7 @@ class EstimationRun(EstimationValue):
     ] = ""
     correction: Annotated[
         str,
-        "What this run reads differently from the source.",
+        "The differences of this run from the source.",
     ] = ""
 
 
@@ -141,22 +141,22 @@ class EstimationFile(Heading):
     estimator: Annotated[
         Raw | None,
         ESTIMATOR,
-        "What the estimators of all runs begin with.",
+        "The common keys of the estimators of all runs.",
     ] = None
     claims: Annotated[
         list[Claim],
         ListOf(CLAIM, needed="an array of tables, [[claims]]"),
-        "What is said and drawn of it.",
+        "Claims, with the checks that decide them.",
     ] = attrs.field(factory=list)
     figures: Annotated[
         list[FigureRequest],
         ListOf(FIGURE, needed="an array of tables, [[figures]]"),
-        "What is said and drawn of it.",
+        "Figures.",
     ] = attrs.field(factory=list)
     open: Annotated[
         list[OpenItem],
         opens(Table(EstimationValue)),
-        "What its source leaves open, and what was chosen.",
+        "Settings that the source leaves open, with the choice.",
     ] = attrs.field(factory=list)
 
 
@@ -214,8 +214,8 @@ def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
     with errors:
         read |= TRIAL.table.read(raw["estimation"], Location(file, "estimation", notes=notes))
     with errors:
-        here = Location(file, "estimator", notes=notes)
-        read["estimator"] = ESTIMATOR.table.read(raw["estimator"], here)
+        location = Location(file, "estimator", notes=notes)
+        read["estimator"] = ESTIMATOR.table.read(raw["estimator"], location)
     errors.raise_any()
     return EstimationStudy(name=name, correction=correction, **read)
 

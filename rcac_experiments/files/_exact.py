@@ -36,7 +36,7 @@ class ExactFile(Heading):
     claims: Annotated[
         list[Claim],
         ListOf(CLAIM, 1, needed="an array of tables, [[claims]]"),
-        "What is said of it.",
+        "The claims.",
     ]
 
 

@@ -258,7 +258,7 @@ NewMatrix = Annotated[
 
 @attrs.frozen(eq=False)
 class Change:
-    """What the plant is from a step on; what is not named stays as it was."""
+    """The plant from a step on; keys that it leaves out keep their values."""
 
     start: Annotated[
         int,
@@ -357,9 +357,9 @@ def read_plant(value: object, place: Location) -> PartialCall[Plant | PlantSched
         if "G" in matrices or ("G" in entries and matrices):
             entries = {key: value for key, value in entries.items() if key not in ENTRIES}
         entries = {**entries, **matrices}
-        here = place.at("changes").entry(f"no. {number}").inside()
+        location = place.at("changes").entry(f"no. {number}").inside()
         with errors:
-            changes.append((change, PLANT.table.read(entries, here)))
+            changes.append((change, PLANT.table.read(entries, location)))
     errors.raise_any()
     return PartialCall(changing, {"first": first, "changes": tuple(changes)})
 

@@ -25,7 +25,7 @@ PLACEHOLDERS = re.compile(r"<!-- table: (?P<name>[^\n]*?) -->")
 
 
 def keys_table(table: Table[Any]) -> str:
-    """One row for each key of a table itself: what it means and what it defaults to.
+    """One row for each key of a table: its meaning and its default.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def keys_table(table: Table[Any]) -> str:
 
 
 def kinds_table(selector: str, kinds: Kinds[Any]) -> str:
-    """One row for each kind: what it is, and the keys that it needs and may have."""
+    """One row for each kind: its meaning, required and optional keys."""
     rows = []
     for name, kind in kinds.kinds.items():
         for variant in kind.variants:

@@ -78,7 +78,7 @@ class Override(OpenValue):
 
     correction: Annotated[
         str,
-        "What this variant reads differently from the source, or adds to it.",
+        "The differences of this variant from the source.",
     ] = ""
 
 
@@ -256,7 +256,7 @@ def words_of(table: Mapping[str, Any]) -> str:
     return ", ".join(f"{key} = {value}" for key, value in table.items())
 
 
-# What is asked of a run before it starts: that it fits together and could adapt.
+# Conditions of a run before it starts: consistent tables, and a controller that adapts.
 
 
 def require_sense(run: RunSpecification) -> None:

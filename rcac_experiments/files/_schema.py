@@ -104,7 +104,7 @@ def _named(selector: str, name: str, is_default: bool = False) -> Schema:
 
 
 def _then(table: Table[Any], selector: str, kinds: Kinds[Any], kind: Kind[Any]) -> Schema:
-    """What must and what must not stand beside the name of a kind."""
+    """Required and forbidden keys of a kind."""
     names_of_kind = set().union(*(variant.names for variant in kind.variants))
     if kind.is_whole:
         unread = set(table.all_keys()) - names_of_kind - {selector}

@@ -86,7 +86,7 @@ def known_of(
     plant: Plant,
     d_zu: Annotated[
         int | None,
-        "What RCAC assumes of the relative degree of G_zu; that of the plant where it is left out.",
+        "The relative degree of G_zu that RCAC assumes; by default that of the plant.",
     ] = None,
     H: Annotated[
         Any,
@@ -100,7 +100,7 @@ def known_of(
         "Of its zeros on or outside the unit circle; likewise.",
     ] = None,
 ) -> ModellingInformation:
-    """What the file says of G_zu; the rest is taken from the plant."""
+    """Facts about G_zu of the file; the others come from the plant."""
     zeros = None if nmp_zeros is None else tuple(nmp_zeros)
     if d_zu is not None and H is not None:
         return ModellingInformation(d_zu, H, zeros or ())

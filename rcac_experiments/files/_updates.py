@@ -35,7 +35,7 @@ def weight_or_samples(
     prior: Annotated[
         PriorSamples | None,
         Table(PriorSamples),
-        "In the place of R_theta, of the same worth in any units: `{ samples = 100, y = 0.5 }`.",
+        "Instead of R_theta, and free of units: `{ samples = 100, y = 0.5 }`.",
     ] = None,
 ) -> Any:
     """R_theta of an update."""

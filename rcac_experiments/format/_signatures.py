@@ -1,4 +1,4 @@
-"""What a function or a class asks for, and functions that are made of several."""
+"""Parameters of functions and classes, and functions composed of several."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def summary_of(make: Callable[..., Any]) -> str:
 
 
 def parameters_in(doc: str) -> dict[str, str]:
-    """What is said under Parameters or Attributes of a numpydoc docstring.
+    """The texts under Parameters or Attributes of a numpydoc docstring.
 
     Examples
     --------
@@ -103,13 +103,13 @@ def parameters_in(doc: str) -> dict[str, str]:
 
 
 class Composed(Generic[T]):
-    """A function some of whose arguments are made by others, and that asks for what those ask for.
+    """A function whose arguments other functions make; it takes the parameters of those.
 
     Parameters
     ----------
     make : class or callable
     words : str
-        In the place of its first sentence.
+        Replaces its first sentence.
     **makers : classes or callables
         What makes the parameter of that name, of `make` or of another maker. Parameters of equal
         names are one; those without a default come first.
@@ -138,7 +138,7 @@ class Composed(Generic[T]):
 
     @cached_property
     def parameters(self) -> list[Parameter]:
-        """What it asks for."""
+        """The parameters that it needs."""
         parameters: dict[str, Parameter] = {}
         for one in parameters_of(self.make):
             for inner in self.parts[one.name].parameters if one.name in self.parts else [one]:
@@ -151,12 +151,12 @@ class Composed(Generic[T]):
 
     @cached_property
     def _names(self) -> tuple[frozenset[str], frozenset[str]]:
-        """The names of what it asks for, and of those of them that have no default."""
+        """The names of its parameters, and of those without a default."""
         required = (one.name for one in self.parameters if one.default is one.empty)
         return frozenset(one.name for one in self.parameters), frozenset(required)
 
     def __call__(self, **values: Any) -> T:
-        """Make it of what stands in the signature."""
+        """Make it from a signature."""
         names_of_part, required = self._names
         if not required <= values.keys() <= names_of_part:
             self.__signature__.bind(**values)  # says which is missing or unknown

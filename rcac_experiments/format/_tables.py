@@ -429,7 +429,7 @@ class ByKey(Form, Generic[T]):
         return f"{self.what}; use a number, or a table with one of {', '.join(self.kinds)}"
 
     def read(self, value: object, place: Location) -> Any:
-        """What is described."""
+        """The described class."""
         if is_number(value):
             return self.number(Real().read(value, place))
         if not isinstance(value, Mapping):
@@ -456,7 +456,7 @@ class ByKey(Form, Generic[T]):
         return {"$ref": f"#/$defs/{self.what.split()[-1]}"}
 
     def definition(self) -> Schema:
-        """What the reference stands for."""
+        """The referenced table."""
         tables = [
             {**table.schema(), "required": [key.name for key in table.keys if key.is_required]}
             for table in self.kinds.values()

@@ -31,12 +31,12 @@ def as_float(value: Any) -> Any:
 
 
 class Form(ABC):
-    """What a value must look like."""
+    """The form of a value."""
 
     @property
     @abstractmethod
     def words(self) -> str:
-        """What is needed, such as an integer; it ends the sentence of an error."""
+        """The required form, such as an integer; it ends the sentence of an error."""
 
     @abstractmethod
     def read(self, value: object, place: Location) -> Any:
@@ -44,7 +44,7 @@ class Form(ABC):
 
     @abstractmethod
     def schema(self) -> Schema:
-        """What a JSON Schema says of it; it accepts whatever `read` does."""
+        """The JSON Schema; it accepts whatever `read` does."""
 
 
 @dataclass(frozen=True)
@@ -283,7 +283,7 @@ class ListOf(Form):
 
     @property
     def words(self) -> str:
-        """A list, and of what."""
+        """A list, with the form of its entries."""
         return f"{self.needed}; each entry is {self.entry.words}"
 
     def read(self, value: object, place: Location) -> list[Any]:
@@ -360,7 +360,7 @@ class MapOf(Form):
 
     @property
     def words(self) -> str:
-        """A table, and of what."""
+        """A table, with the form of its entries."""
         return f"a table of names; each value is {self.entry.words}"
 
     def read(self, value: object, place: Location) -> dict[str, Any]:
@@ -423,7 +423,7 @@ class OneOrMore(Form):
 
 @dataclass(frozen=True)
 class ByStep(Form):
-    """[[step, value], ...]: what holds from each step on."""
+    """[[step, value], ...]: values from each step on."""
 
     entry: Form
 

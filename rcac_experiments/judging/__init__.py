@@ -1,1 +1,1 @@
-"""Claims: what is said of an experiment, whose words they are, and what decides them."""
+"""Claims about an experiment, their sources, and the checks that decide them."""

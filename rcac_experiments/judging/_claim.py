@@ -139,7 +139,7 @@ QUOTE = (
 
 @attrs.frozen(eq=False)
 class Claim(Value):
-    """Something said of the case."""
+    """A statement about the case."""
 
     text: Annotated[
         str, "What the checks decide, in words of your own; the quote where it is left out."
@@ -227,11 +227,11 @@ class Verdict(Value):
     ----------
     claim : Claim
     results : tuple
-        What its checks found on its own run.
+        The outcome on the run of the claim.
     others : mapping from names of completions
-        What they found on those that ran too; of the rest the outcome of record counts.
+        The outcome on other runs; of those that did not run the outcome of record counts.
     control : tuple
-        What they found on the run on which they must succeed.
+        The outcome on the control run, where they must succeed.
     is_reduced : bool
         Whether fewer repetitions were made than the verdict of record has.
     """
@@ -384,7 +384,7 @@ class Check(Value):
             )
         if low > high:
             raise InputError(
-                f"the check of {self.measure!r} asks for at least {low} and at most {high}, which "
+                f"the check of {self.measure!r} requires at least {low} and at most {high}, which "
                 "no number is."
             )
 
@@ -517,7 +517,7 @@ class CheckResult(Value):
 
 
 def quoted_interval(quoted: str, within: float | None) -> tuple[float, float]:
-    """What a printed number stands for: half a unit of its last digit, or so much of itself."""
+    """The interval of a printed number: half a unit of its last digit, or a fraction."""
     try:
         value = Decimal(quoted)
         digits = value.as_tuple().exponent

@@ -36,7 +36,7 @@ def h2_cost(r: LoopAnalysis, noise: NoiseIntensities | None = None, direct: bool
 def high_authority_cost(
     r: LoopAnalysis, noise: NoiseIntensities | None = None, direct: bool = True
 ) -> float:
-    """The same with LQG, the least of a strictly proper controller; high authority if R_2 = 0."""
+    """H2 cost of LQG, the least of a strictly proper controller; high authority if R_2 = 0."""
     return _best(_counted(r.plant, direct), noise).cost.value
 
 

@@ -153,12 +153,12 @@ def printed_plant_distance(r: LoopAnalysis, printed: str) -> float:
     """
     plant, other = plant_at(r.run.plant, 0), standard_plant(_from_latex(printed))
     z = np.exp(1j * np.linspace(0.1, 3.0, 11))
-    here, there = (
+    first, second = (
         np.array([(p.E_1 @ np.linalg.solve(x * np.eye(p.n) - p.A, p.B) + p.E_2)[0, 0] for x in z])
         for p in (plant, other)
     )
-    apart = min(np.abs(here - there).max(), np.abs(here + there).max())
-    return float(apart / np.abs(there).max())
+    apart = min(np.abs(first - second).max(), np.abs(first + second).max())
+    return float(apart / np.abs(second).max())
 
 
 def _from_latex(printed: str) -> str:
@@ -233,7 +233,7 @@ def worst_pole_distance(r: LoopAnalysis) -> float:
 
 @measure
 def worst_spectrum_distance(r: LoopAnalysis) -> float:
-    """The same over all poles, those too that G_f leaves to the zeros of G_zu and to zero."""
+    """Largest pole distance over all poles, those at zeros of G_zu and at 0 included."""
     return r.comparison.spectrum_distance
 
 
@@ -245,7 +245,7 @@ def backward_error(r: LoopAnalysis) -> float:
 
 @measure
 def polynomial_distance(r: LoopAnalysis) -> float:
-    """Largest difference between a closed-loop coefficient, reached and asked for, both exact."""
+    """Largest difference between a closed-loop coefficient, achieved and requested, both exact."""
     c = r.comparison
     if c.requested is None:
         raise InputError(f"there is no characteristic polynomial to compare with: {c.obstacle}")
@@ -472,7 +472,7 @@ def peak(
         First step that counts, and the first that does not count any more; to the end where
         `stop` is left out.
     signal : {"z", "y", "u", "u_applied", "w"}
-        Which signal; u_applied is what the actuator made of u.
+        The signal; u_applied is the output of the actuator.
     channel : int or str
         A component from 0 on; for zeros the name of a channel of w.
     """

@@ -101,7 +101,7 @@ def _study_figure(
             f"{', '.join(OF_STUDIES)}."
         )
     if missing := [name for name in request.runs if name not in results]:
-        raise InputError(f"a figure asks for the run {missing[0]!r}; there are {list(results)}.")
+        raise InputError(f"a figure requests the run {missing[0]!r}; there are {list(results)}.")
     figure = Figure(figsize=(width, 0.62 * width), layout="constrained")
     chosen = {label_words(name): results[name] for name in request.runs or results}
     OF_STUDIES[request.kind](figure, chosen, request)

@@ -12,7 +12,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.plots._library import Axes, Figure
 from rcac_numeric.plots._style import REACHED, WANTED
 
-FEW = 4  # values of an axis of a map that are told apart by name
+FEW = 4  # values of an axis of a map that a legend can name
 
 
 def plot_summary(summary: SweepSummary) -> Figure:

@@ -1,4 +1,4 @@
-"""Many runs of one experiment: what varies, how it is run and kept, and what came out."""
+"""Many runs of one experiment: axes, execution, storage and results."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What varies in a study: a setting or a parameter of the plant, and the values that it takes."""
+"""The axes of a study: settings or plant parameters, with their values."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ RESERVED = ("run", "cell", "repetition", "outcome", "failure", "signals_digest")
 
 @attrs.frozen(eq=False, slots=False)
 class Axis(Value):
-    """One thing that varies, and its values.
+    """One axis of a study: a setting or parameter, and its values.
 
     Parameters
     ----------
     name : str
-        What it is called in tables and pictures.
+        The name in tables and pictures.
     values : sequence
         Numbers, texts, truth values, or lists and tables of them; no two alike.
     sets : str, optional
@@ -74,7 +74,7 @@ class Axis(Value):
 
 @attrs.frozen(eq=False, slots=False)
 class RandomAxis(Value):
-    """One thing that varies at random: values drawn from the seed of the study and the name.
+    """One random axis: values drawn from the seed of the study and the name.
 
     More draws go on where fewer ended, so a study can be extended.
 

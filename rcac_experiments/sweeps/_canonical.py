@@ -19,7 +19,7 @@ DATA_FILES = (".csv", ".npy", ".npz", ".mat", ".txt")
 
 
 def canonical_json(value: Any) -> str:
-    """The same text for equal data, whatever their order, machine and process.
+    """Return one text for equal data, on every machine and for any order of keys.
 
     Keys are sorted, 1.0 is written 1, and a function counts by its name and its source.
     """

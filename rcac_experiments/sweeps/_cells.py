@@ -47,7 +47,7 @@ class Cell:
 
     @property
     def target(self) -> TargetModel | None:
-        """What the loop is compared with where the controller has no target model of its own."""
+        """The reference of a controller without a target model."""
         return None if self.specification is None else self.specification.target
 
     @property
@@ -57,7 +57,7 @@ class Cell:
 
     @cached_property
     def words(self) -> tuple[int, ...]:
-        """What the noise of the cell is drawn from beside the seed."""
+        """The key of the cell's noise, beside the seed."""
         if self.study.common_noise:
             return ()
         return words_of({axis.sets: self.coordinates[axis.name] for axis in self.study.axes})
@@ -76,7 +76,7 @@ class Cell:
         )
 
     def case(self, repetition: int) -> SimulationCase:
-        """What is run."""
+        """The specification of the run."""
         specification = self.specification
         if specification is not None:
             options: dict[str, Any] = {"stride": self._stride(specification)}
@@ -225,7 +225,7 @@ def words_of(by_path: dict[str, Any]) -> tuple[int, ...]:
 def generator(
     seed: int, words: tuple[int, ...], repetition: int, channel: int
 ) -> np.random.Generator:
-    """A generator of its own for one channel of one run, independent of all others."""
+    """Return the independent generator of one channel of one run."""
     key = (*words, repetition, channel)
     if seed < WORD**2 and repetition < WORD:
         # What SeedSequence makes of the seed and the key, four times as fast as from integers.

@@ -1,4 +1,4 @@
-"""What is sent to a worker, and what comes back: results, and failures, which are none."""
+"""Tasks of a worker, and their returns: results and failures."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class TimeLimitReached(BaseException):
 
 
 def error_text(error: BaseException) -> str:
-    """What an exception says, as it is stored."""
+    """Return the text of an exception, as it is stored."""
     try:
         words = str(error)
     except Exception:
@@ -62,16 +62,16 @@ class ChunkTask(Value):
         return [run for _, some in self.runs for run, _ in some]
 
     def only(self, numbers: Collection[int]) -> ChunkTask:
-        """The same with some of its runs."""
+        """Return the task with these of its runs only."""
         runs = [(where, [pair for pair in some if pair[0] in numbers]) for where, some in self.runs]
         return replace(self, runs=[(where, some) for where, some in runs if some])
 
 
 @dataclass(frozen=True, eq=False)
 class RunRecord(Value):
-    """What is kept of one run: a value for each measure, NaN where it has none; none if it failed.
+    """The stored row of one run: a value for each measure, NaN without one; empty if it failed.
 
-    `signals` are those that were asked for, by name.
+    `signals` are the requested ones, by name.
     """
 
     run: int

@@ -86,7 +86,7 @@ class Directory:
             raise self._unwritten(name, error) from None
 
     def names(self) -> list[str]:
-        """What is in it, hidden names too."""
+        """Return its entries, hidden names too."""
         return os.listdir(self.path if self.handle is None else self.handle)
 
     def about(self, name: str) -> os.stat_result:

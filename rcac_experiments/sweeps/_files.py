@@ -56,7 +56,7 @@ Pair = Annotated[Any, Numbers(longest=3)]
 
 @attrs.frozen(eq=False)
 class AxisTable:
-    """One thing that varies."""
+    """One axis."""
 
     sets: Annotated[
         str,
@@ -100,7 +100,7 @@ class MetricTable(Alias):
     name: Annotated[str, "Of its column; the measure's where it is left out."] = ""
 
     def build(self) -> Metric:
-        """What is kept."""
+        """The stored metrics."""
         return Metric(self.measure.make.__name__, self.name, self.measure.arguments)
 
 
@@ -110,12 +110,12 @@ class StudyTable:
 
     axes: Annotated[
         dict[str, AxisTable],
-        "What varies, by name; every combination of their values is a cell.",
+        "The axes, by name; every combination of their values is a cell.",
     ] = attrs.field(factory=dict)
     keep: Annotated[
         list[Metric],
         ListOf(Table(MetricTable), needed="an array of tables"),
-        "What is measured of every run, beside its outcome.",
+        "The metrics of every run, beside its outcome.",
     ] = attrs.field(factory=list)
     repetitions: Annotated[
         int,

@@ -229,7 +229,7 @@ class Folder:
         self.chunks.put(file_of(number), data)
 
     def read(self, numbers: Iterable[int] | None = None, guarded: bool = True) -> Iterator[Chunk]:
-        """The chunks of which there is a file, by increasing number, held against the plan.
+        """The chunks of which there is a file, by increasing number, compared with the plan.
 
         With `guarded` in a child with limits: who made the folder is not known.
         """
@@ -248,7 +248,7 @@ class Folder:
     def results(
         self, numbers: Iterable[int] | None = None, guarded: bool = True
     ) -> Iterator[Chunk]:
-        """The same; a damaged chunk is refused."""
+        """Yield the chunks; raise an error for a damaged one."""
         for chunk in self.read(numbers, guarded):
             if chunk.fault:
                 raise StoreError(

@@ -1,4 +1,4 @@
-"""What is kept of every run: numbers measured where it ran."""
+"""The metrics of a run: numbers measured where it ran."""
 
 from __future__ import annotations
 

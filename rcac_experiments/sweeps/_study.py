@@ -26,7 +26,7 @@ from rcac_numeric.engine._batches import SimulationCase
 
 CaseFunction = Callable[..., SimulationCase]
 Coordinates = dict[str, Any]
-# More runs than these are hardly meant: they have to be asked for.
+# More runs than these are hardly meant: they have to be requested.
 MANY_RUNS = 10**6
 # Cells are numbered in one table of the store.
 LARGEST_GRID = 10**7
@@ -180,7 +180,7 @@ class Study(Value):
 
     @property
     def fingerprint(self) -> str:
-        """The same for studies with the same results, on every machine and in every process."""
+        """The digest of the study; equal for studies with equal results, on every machine."""
         return digest(canonical_json(self.resolved))
 
     def __repr__(self) -> str:
@@ -191,12 +191,12 @@ class Study(Value):
 
 
 def require_meant(study: Study, many: bool) -> None:
-    """Refuse so many runs as nobody starts by intention, unless they were asked for."""
+    """Refuse so many runs as nobody starts by intention, unless they were requested."""
     if study.runs > MANY_RUNS and not many:
         parts = " x ".join(f"{len(axis)} ({axis.name})" for axis in study.axes) or "1"
         raise InputError(
             f"the study has {study.runs} runs: {parts} cells x {study.repetitions} repetitions; "
-            f"more than {MANY_RUNS} must be asked for. On the command line --yes does that, in "
+            f"more than {MANY_RUNS} must be requested. On the command line --yes does that, in "
             "Python many=True."
         )
 
@@ -216,7 +216,7 @@ def _base(
         for name in ("seed", "repetitions"):
             if name in run or any(axis.sets == f"run.{name}" for axis in axes):
                 raise InputError(
-                    f"{name} of [run] has no place in a study, which has {name} of its own: set "
+                    f"{name} of [run] has no place in a study, which sets {name} itself: set "
                     f"{name} of the study instead."
                 )
     for axis in axes:
@@ -241,7 +241,7 @@ def with_value(document: Mapping[str, Any], path: str, value: Any) -> dict[str, 
 
 def _with(around: Any, keys: list[str], value: Any, path: str, walked: str) -> Any:
     key, rest = keys[0], keys[1:]
-    here = f"{walked}.{key}" if walked else key
+    location = f"{walked}.{key}" if walked else key
     if isinstance(around, list):
         if not key.isdecimal() or int(key) >= len(around):
             raise InputError(
@@ -249,7 +249,7 @@ def _with(around: Any, keys: list[str], value: Any, path: str, walked: str) -> A
                 f"the number of one of its entries, from 0 on."
             )
         copy: Any = list(around)
-        copy[int(key)] = _with(around[int(key)], rest, value, path, here) if rest else value
+        copy[int(key)] = _with(around[int(key)], rest, value, path, location) if rest else value
         return copy
     if not isinstance(around, Mapping):
         raise InputError(f"{path!r} leads nowhere: {walked} is {around!r}, which has no entries.")
@@ -258,4 +258,4 @@ def _with(around: Any, keys: list[str], value: Any, path: str, walked: str) -> A
             f"{path!r} leads nowhere: {walked or 'the file'} has {', '.join(around)}."
             f"{did_you_mean(key, around)}"
         )
-    return {**around, key: _with(around[key], rest, value, path, here) if rest else value}
+    return {**around, key: _with(around[key], rest, value, path, location) if rest else value}

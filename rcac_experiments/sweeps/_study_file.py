@@ -1,4 +1,4 @@
-"""study.json: what a study asked for, complete, and what its runs were made with."""
+"""study.json: the complete request of a study, and the versions that made its runs."""
 
 from __future__ import annotations
 
@@ -73,9 +73,9 @@ class StoredStudy:
         return tuple(metric["name"] for metric in self.resolved["keep"])
 
     def grown(self, path: object, study: Study, *, among_others: bool = False) -> StoredStudy:
-        """The same with what a study asks for beyond it; another study is refused.
+        """Return the stored study with the additions of a larger one; another study is refused.
 
-        So is a smaller one, unless others may have made this one grow at the same time.
+        A smaller one is refused too, unless another process may have extended the store.
         """
         new = json.loads(json.dumps(study.resolved))
         if among_others:

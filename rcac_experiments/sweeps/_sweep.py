@@ -69,7 +69,7 @@ def run_study(
     retries: int = 0,
     retry_failed: bool = False,
 ) -> Progress:
-    """Run what a study asks for and its store has not, and store each run when its chunk ends.
+    """Run the missing runs of a study, and store each run when its chunk ends.
 
     A run's numbers depend on its own coordinates and the seed alone: neither on chunks, workers
     and their order, nor, bit for bit for one instruction set, on the machine. Called again after

@@ -24,7 +24,7 @@ LIBRARIES = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint")
 NOT_COMPARED = ("platform", "processor")
 
 # The folders in which the wheels of NumPy and SciPy, or the two themselves, keep a BLAS.
-_OWN = re.compile(r"[/\\](numpy|scipy)(\.libs)?[/\\]")
+_BUNDLED_BLAS = re.compile(r"[/\\](numpy|scipy)(\.libs)?[/\\]")
 
 
 @functools.cache
@@ -97,7 +97,7 @@ def _blas_kernels() -> str:
         f"{one.get('internal_api')} {one.get('version')} {one.get('architecture', '')}".strip()
         for one in threadpool_info()
         # What else is loaded, a library with a BLAS of its own for instance, decides no digit here.
-        if one.get("user_api") == "blas" and _OWN.search(str(one.get("filepath")))
+        if one.get("user_api") == "blas" and _BUNDLED_BLAS.search(str(one.get("filepath")))
     }
     return ", ".join(sorted(kernels))
 

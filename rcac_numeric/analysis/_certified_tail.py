@@ -202,10 +202,10 @@ def _tail(
         after = run.theta_final[None]
     thetas = np.vstack([run.theta[row : stop - run.first_step], after])
     try:
-        region, kept = _largest_tail(plant, settings, thetas)
+        region, index = _largest_tail(plant, settings, thetas)
     except CompensatorError as error:
         return none(str(error).rstrip("."))
-    return CertifiedTail(start, stop, first + kept, region, np.array(thetas[kept:]))
+    return CertifiedTail(start, stop, first + index, region, np.array(thetas[index:]))
 
 
 def _last_limited(run: Run, stop: int) -> int:
@@ -235,14 +235,14 @@ def _largest_tail(
     K = K / max(loop.peak(K, scale, 1.0), 1.0)
     K, storages = proved([system], center, K, scale, 1.0)
     outside = np.flatnonzero(_squares(K, changes)[0] >= 1 - 1e-9)
-    kept = int(outside[-1]) + 1 if outside.size else 0
+    index = int(outside[-1]) + 1 if outside.size else 0
     region = CertifiedSet(
         structure=structure, fixed=settings.fixed, center=center, regressor_factor=K,
         input_scale=scale, rate=1.0, shape="tail",
         members=(CertifiedMember("the plant of the run", plant, storages[0]),),
         uncovered=UNCOVERED, dependent=dependent_directions(responses),
     )  # fmt: skip
-    return region, kept
+    return region, index
 
 
 UNCOVERED = (

@@ -49,7 +49,7 @@ class Margins(Result):
         min over the gain crossovers of lag / omega, as in Table 5.1. Where abs(L(-1)) > 1 that is
         not the whole truth, and whole steps decide; see `StabilityBoundary.jumps`.
     disk : DiskMargin or None
-        None for an unstable loop, and where it was not asked for.
+        None for an unstable loop, and without `disk=True`.
     gain_crossovers, phase_crossovers : arrays
         All omega in [0, pi] with abs(L) = 1, and with L real and negative; rad/sample.
     sample_time : float or None

@@ -308,10 +308,10 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
             if least <= 100 * len(A) * EPS * size and smallest <= 100 * len(A) * EPS:
                 raise UnitCircleError(
                     "[A - sI, B; E_1, E_2], with E_1 and E_2 the factors of the weights, has a "
-                    f"zero on the imaginary axis at {words(at)} (a mode of A there that has no "
-                    f"weight included; smallest singular value {least:.1e}). A closed-loop pole "
-                    "would have to lie on it, so no solution is stabilising. Weight the states "
-                    "that it moves (Q)."
+                    f"zero on the imaginary axis at {words(at)} (or A has a mode there without "
+                    f"weight; smallest singular value {least:.1e}). The closed loop would keep a "
+                    "pole on the axis, so no solution is stabilising. Weight the states of that "
+                    "mode in Q."
                 )
 
 

@@ -38,7 +38,7 @@ def responses_on_grid(A: Array, B: Array, C: Array) -> ComplexArray:
 
 @dataclass
 class WeightedPoints:
-    """Points t with t* M t <= 1 for the sought M, in coordinates in which they are of like size.
+    """Points t with t* M t <= 1 for the unknown M, in coordinates scaled to comparable size.
 
     Attributes
     ----------

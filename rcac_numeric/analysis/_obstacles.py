@@ -125,9 +125,9 @@ def require_no_zero_on_circle(
 
 def _zero_on_circle(at: complex, least: float, role: Role) -> UnitCircleError:
     return UnitCircleError(
-        f"{role.map} has a zero on the unit circle at {words(at)} (a mode of A there that "
-        f"{role.outputs} does not show included; smallest singular value {least:.1e}). A "
-        "closed-loop pole would have to lie on it, so no solution is stabilising. "
+        f"{role.map} has a zero on the unit circle at {words(at)} (or A has a mode there "
+        f"that {role.outputs} does not show; smallest singular value {least:.1e}). The closed loop "
+        "would keep a pole on the circle, so no solution is stabilising. "
         f"{role.remedy}."
     )
 

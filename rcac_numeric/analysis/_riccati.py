@@ -96,7 +96,7 @@ def solve_riccati(
     of ``(I - hA)^{-1} (I + hA), sqrt(2h) (I - hA)^{-1} B, sqrt(2h) E_1 (I - hA)^{-1},
     E_2 + h E_1 (I - hA)^{-1} B`` for every h > 0 that leaves I - hA regular, and is found there, in
     square roots; else by `scipy.linalg.solve_continuous_are`. Either is refined by Newton steps,
-    one Lyapunov equation each, and held against the equation itself. The Kalman-Bucy filter is the
+    one Lyapunov equation each, and compared with the equation itself. The Kalman-Bucy filter is the
     dual: A', C' and the spectral densities of the noises. Source: P. Benner, A. J. Laub and V.
     Mehrmann, A collection of benchmark examples for the numerical solution of algebraic Riccati
     equations I (1995).

@@ -153,9 +153,9 @@ def roundings_of(signals: Mapping[str, Array]) -> dict[str, tuple[Rounding, ...]
     }
     known: dict[str, list[Rounding | None]] = {}
     for name, parts in columns.items():
-        own = [_told(part) for part in parts]
-        whole = _told(signals[name]) if None in own else None
-        known[name] = [whole if one is None else one for one in own]
+        resolutions = [_resolution_of(part) for part in parts]
+        whole = _resolution_of(signals[name]) if None in resolutions else None
+        known[name] = [whole if one is None else one for one in resolutions]
     roundings = {one for row in known.values() for one in row if one is not None}
     printed = [one for one in roundings if one.printing != "exact"]
     printed.sort(key=lambda one: (one.places, one.printing, -one.sum_unit, one.number_format))
@@ -171,7 +171,7 @@ def roundings_of(signals: Mapping[str, Array]) -> dict[str, tuple[Rounding, ...]
     }
 
 
-def _told(values: Array) -> Rounding | None:
+def _resolution_of(values: Array) -> Rounding | None:
     """The rounding of numbers; None if there are too few."""
     flat, sizes = _sample(values)
     return _rounding(flat, sizes, *_printing(sizes)) if sizes.size >= EVIDENCE else None

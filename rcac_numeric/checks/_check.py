@@ -79,7 +79,7 @@ class ControllerCheck(Result):
         The plant with the fixed controller: poles, frequency responses.
     zeros : mapping from channel of w to array of complex
     comparison : ExactComparison or None
-        The exact characteristic polynomial beside the one that the target asks for.
+        The exact characteristic polynomial beside that of the target.
     match : IntercalatedMatch or None
         The intercalated transfer function beside G_f.
     split : ResidualSplit or None
@@ -259,7 +259,7 @@ def check_controller(
         Intensities of blocks or channels of w for the H2 costs, as for `h2_cost`.
     k_w : int, optional
         First step with u = Phi theta; beside a compensator the one since which it made u. By
-        default that is held against the last tenth of the log alone.
+        default that is compared with the last tenth of the log alone.
     sample_time : float, optional
         In seconds; by default that of the log.
     tolerance : float, optional

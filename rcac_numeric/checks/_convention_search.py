@@ -106,7 +106,7 @@ class ConventionSearch(Result):
     ----------
     matches : tuple of ConventionMatch
         Those that replay within the roundings of the log, the one with the fewest differences from
-        ours first. Two that replay are not told apart by this log.
+        ours first. This log does not distinguish two that replay.
     tried : int
         The number of conventions.
     closest : ConventionMatch or None

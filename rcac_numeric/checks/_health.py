@@ -301,7 +301,7 @@ class LoopHealth(Result):
         z of the same run with u = 0, where that is bounded.
     margins : mapping from components of u to Margins
     guard_count, guard_first_step : int
-        Updates decided by rounding, and the first of them (-1: none).
+        Number of updates in which rounding exceeded the data, and the first step (-1: none).
     bounded : int
         Updates after which theta was moved to its bounds.
     radius : float or None

@@ -187,10 +187,10 @@ class Replayer:
         log, is_after = within(self.log, self.errors, limits)
         replays = []
         own_u = convention.own_u and is_after
-        for given in self.rows(convention, log):
-            rows = given
+        for row_set in self.rows(convention, log):
+            rows = row_set
             if own_u and limits is not None:
-                rows = _with_own_u(given, self.structure, limits)
+                rows = _with_own_u(row_set, self.structure, limits)
             replays.append(
                 self.errors.compared(
                     *rows.computed(self.structure, self.errors.sum_unit),

@@ -34,7 +34,7 @@ from rcac_numeric.targets._model import TargetModel
 TRANSIENT = 30.0  # |z| under control over the largest |w|, |z| before control and |z| at the end
 LARGE_U = 100.0  # |u| over the largest of |w| and |z|, and the u that moves z by it in one step
 WORSE = 2.0  # rms of z at the end over that without control
-LEAST_GAIN, LEAST_PHASE = 2**0.5, 20.0  # 3 dB and degrees: half of what textbooks ask for
+LEAST_GAIN, LEAST_PHASE = 2**0.5, 20.0  # 3 dB and degrees: half of the textbook margins
 SATURATED = 0.1  # share of the last tenth of the steps
 UNSETTLED = 0.1  # change of theta in the last tenth, relative
 KICKED, FAR = 10.0, 100.0  # |z| after a kick over that with theta held, and where that is grave

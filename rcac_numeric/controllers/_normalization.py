@@ -22,7 +22,7 @@ def _positive(value: object, name: str) -> float:
 
 @attrs.frozen(slots=False, field_transformer=with_checks)
 class Normalization:
-    """A bound on what one step's error can ask for: z in the cost becomes f(z), entry by entry.
+    """A bound on the effect of one step's error: z in the cost becomes f(z), entry by entry.
 
     f'(0) = slope, abs f < limit; with x = slope z::
 

@@ -48,7 +48,7 @@ MOST = 16  # a longer list is a record of one signal, not sizes of components
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class PriorSamples(Value):
-    """In the place of R_theta: theta(0) is worth that many samples, whatever the units are.
+    """Replaces R_theta: theta(0) has the weight of that many samples, in any units.
 
         R_theta = samples * mean(Phi_f' Phi_f)
 

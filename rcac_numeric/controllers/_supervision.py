@@ -70,7 +70,7 @@ class Supervision(Value):
     Raises
     ------
     InputError
-        Where one is out of range, or a fallback is asked for and there is none.
+        Where one is out of range, or the policy is a fallback without one.
 
     Examples
     --------

@@ -29,36 +29,35 @@ def cold_start(
 
     One input and output: the target has two poles exp(-1/15) and the NMP zeros, n_c = order + d_zu
     + 1, R_theta = (H u)^2 for the coefficients of past u and (H y)^2 for those of past y. Several:
-    `zero_direction_target`, n_c = order + 2, 10 norm(H)^2 in the place of H^2. A plant that is
-    stable by itself is watched for 5 max(n_c, n_f) steps, at least 50, before RCAC takes it over:
-    what acts on it fills the regressor.
+    `zero_direction_target`, n_c = order + 2, 10 norm(H)^2 instead of H^2. RCAC controls a stable
+    plant after 5 max(n_c, n_f) steps, at least 50, in which the signals that act on the plant fill
+    the regressor.
 
     Parameters
     ----------
     information : ModellingInformation or DirectionInformation
-        Of G_zu, which for e = r - y is minus that of the plant. Zeros inside the circle are better
-        left out, also those near -1.
+        Of G_zu, which for e = r - y is minus that of the plant. Leave zeros inside the circle out,
+        also those near -1.
     order : int
-        Of the plant, without its dead time; in doubt rather more.
+        Of the plant, without its dead time; if in doubt, larger.
     stable : bool
-        Whether it stays where it is without control.
+        Whether the plant is stable without control.
     u, y : float
-        Size of what acts on the plant, in units of u, and of what that makes of y, in units of y:
-        with them the settings are the same loop in any units. Signals in units of their own size
-        need neither.
+        Size of the disturbance at the input, in units of u, and of its effect on y, in units of y:
+        the loop is then the same in any units. Not needed for signals of size 1.
 
     Raises
     ------
     InputError
-        Where this is no such information, or a size is not positive.
+        If `information` is neither of the two classes, or a size is not positive.
 
     Notes
     -----
-    A start in the dark, and not safe: the guide says how often it ended well. No prior mends it:
-    on 30 random plants R_theta of 1e-4, 1 and 1e4 times this ended stable and good (error below
+    Not safe: the guide has the share of good loops. No prior makes it safe: on 30 random plants
+    R_theta of 1e-4, 1 and 1e4 times this ended stable and good (error below
     twice that of a fixed controller, peak below ten times) on 10, 30 and 33 %, `PriorSamples` of
-    1e-4 to 100 samples on at most 13 %. With a log, `design(ControllerLog(u, y))` finds a model in
-    its place.
+    1e-4 to 100 samples on at most 13 %. With a log, `design(ControllerLog(u, y))` identifies a
+    model.
 
     Examples
     --------
@@ -72,7 +71,7 @@ def cold_start(
     instance_of(stable, "stable", bool)
     for name, size in (("u", u), ("y", y)):
         if not number(size, name) > 0:
-            raise InputError(f"{name} = {size}: the size of a signal is positive.")
+            raise InputError(f"{name} = {size} must be positive: it is the size of a signal.")
     if isinstance(information, DirectionInformation):
         target = zero_direction_target(information)
         structure = iir(order + 2, target.l_u, target.l_z)
@@ -84,9 +83,8 @@ def cold_start(
         weight = SCALAR * float(target.numerator[target.relative_degree, 0, 0]) ** 2
     else:
         raise InputError(
-            f"{information!r} is no modelling information: give ModellingInformation(d_zu, H, "
-            "nmp_zeros), or DirectionInformation(H, zeros) of several signals; of a plant or a log "
-            "design makes more."
+            f"information = {information!r} must be ModellingInformation(d_zu, H, nmp_zeros), or "
+            "DirectionInformation(H, zeros) for several signals; for a plant or a log call design."
         )
     sizes = [u if tap.signal == "u" else y for tap in structure.taps]
     R_theta = weight * np.diag(np.repeat(np.square(sizes), structure.l_u))

@@ -864,9 +864,9 @@ def reasons_of(
     """The reasons of the settings."""
     n_c, structure = reference.compensator.n_c, settings.structure
     models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids]
-    taken = model.servo().n + 2 * model.m * len(models)
+    model_order = model.servo().n + 2 * model.m * len(models)
     models += {0: [], 1: ["an integrator"]}.get(
-        (reference.lqg.plant.n - taken) // model.m, ["two integrators"]
+        (reference.lqg.plant.n - model_order) // model.m, ["two integrators"]
     )
     parts = " and ".join(models)
     robust = (

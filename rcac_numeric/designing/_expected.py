@@ -42,8 +42,8 @@ class Expected(Value):
         r, in units of y.
     m : int
         The number of inputs and of outputs, which meet signals of the same kind.
-    told : float or None
-        The size of d by itself, where that is less.
+    known_size : float or None
+        The known size of d alone, if it is less.
     """
 
     disturbance: Signal | None
@@ -51,12 +51,12 @@ class Expected(Value):
     noise: float
     command: Signal | None = None
     m: int = 1
-    told: float | None = None
+    known_size: float | None = None
 
     @property
     def disturbance_size(self) -> float:
         """The size of d alone, in units of u."""
-        return self.size if self.told is None else self.told
+        return self.size if self.known_size is None else self.known_size
 
     @property
     def is_known(self) -> bool:

@@ -52,7 +52,7 @@ class LoggedPlant(Result):
     ----------
     plant : DesignPlant
     model : ProcessModel
-        With its gates, those that ask for a controller included once there is one.
+        With its gates, those that need a controller included once it exists.
     parts : tuple of DesignPlant or None
         The model fitted again to each half of the log; None where a half does not determine it.
     noise : float
@@ -202,7 +202,7 @@ class LogSearch:
             yield from credible[:TRIED]
 
     def first_gates(self, fit: ProcessFit) -> tuple[Gate, ...]:
-        """The gates that ask for no controller."""
+        """The gates that need no controller."""
         return (effect_gate(self.search, fit), *gates_without_controller(self.search, fit))
 
     def logged(self, fit: ProcessFit, gates: tuple[Gate, ...] = ()) -> LoggedPlant:

@@ -37,7 +37,7 @@ from rcac_numeric.targets._zero_directions import DirectionInformation
 
 MOST_SIGNALS = 4  # inputs and outputs
 ALIKE = 100.0  # the gain of an output, or of an input, over that of another
-MOST_STATES = 40  # beyond it each of the ladder's Riccati equations and peaks takes seconds
+MOST_STATES = 40  # beyond it each Riccati equation of the weight grid and peaks takes seconds
 LONGEST_DELAY = 60  # steps: theta has two coefficients for each
 LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
 FAR = 2000  # steps, after which what grows has outgrown the rest
@@ -235,7 +235,7 @@ class DesignPlant(Value):
                 "time has, so that its time constants cannot be varied; give it in s with "
                 "sample_time, or its dead time apart."
             )
-        return _held(continuous[0] / time, continuous[1] / time, self.fraction)
+        return _hold_sampled(continuous[0] / time, continuous[1] / time, self.fraction)
 
 
 def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
@@ -258,7 +258,7 @@ def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
     return logarithm.real[:n, :n], logarithm.real[:n, n:]
 
 
-def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
+def _hold_sampled(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
     """Sample with a zero-order hold whose input is late by a fraction of a period."""
     if not fraction:
         return zero_order_hold(A, B, 1.0)
@@ -272,7 +272,7 @@ def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
 
 def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
     """Scale the states by powers of two to similar size."""
-    point = (1 + 1j) * np.eye(len(A))  # anywhere: what is asked for is the size of y over u
+    point = (1 + 1j) * np.eye(len(A))  # any point: only the size of y over u matters
     n, m = B.shape
     gain = np.linalg.norm(C @ np.linalg.solve(point - A, B), 2) or 1.0
     whole = np.block([[A, B], [C / gain, np.zeros((m, m))]])
@@ -325,7 +325,7 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
     whole = int(np.floor(late / h + ROUNDING))
     fraction = max(late / h - whole, 0.0)
     fraction = fraction if fraction > 2 * ROUNDING else 0.0
-    hold_A, hold_B = _held(A, B, fraction)
+    hold_A, hold_B = _hold_sampled(A, B, fraction)
     hold_C = np.hstack([C, np.zeros((len(C), len(hold_A) - len(A)))])
     design_plant = DesignPlant(hold_A, hold_B, hold_C, whole + steps, (A, B), fraction, h)
     return _checked(design_plant)
@@ -364,7 +364,9 @@ def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> Design
     A, B, C = balanced(A * h, np.vstack([B for _, B, *_ in rows]) * h, C)
     least = int(steps.min())
     later = np.repeat(steps - least, states, axis=0)
-    design_plant = DesignPlant(*_held(A, B, 0.0), C, least, (A, B), sample_time=h, later=later)
+    design_plant = DesignPlant(
+        *_hold_sampled(A, B, 0.0), C, least, (A, B), sample_time=h, later=later
+    )
     for pole in np.linalg.eigvals(design_plant.A):
         if abs(pole) < 1 - ROUNDING:
             continue

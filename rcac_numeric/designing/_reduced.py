@@ -31,8 +31,8 @@ def require_reducible(structure: Structure) -> None:
         raise InputError(f"structure = {structure!r}: give one such as pid('PI') or fir(20).")
     if (structure.l_u, structure.l_y) != (1, 1):
         raise InputError(
-            f"structure: this {structure.name} has {structure.l_u} controls and {structure.l_y} "
-            "measurements, and a reference is reduced for one of each; leave structure out."
+            f"structure: {structure.name} has {structure.l_u} controls and {structure.l_y} "
+            "measurements, but design needs one of each; leave structure out."
         )
     if structure.l_r or any(tap.signal == "u" for tap in structure.taps):
         raise InputError(
@@ -46,7 +46,7 @@ def require_reducible(structure: Structure) -> None:
 def reduced_reference(grid: WeightGrid, structure: Structure) -> Reference:
     """Fit a structure to the LQG loops of a weight grid, and improve it by a search.
 
-    Of each LQG controller C on the ladder the coefficients are fitted that minimise
+    Of each LQG controller C of the weight grid the coefficients are fitted that minimise
 
         sum over omega of abs(S^2 G (Phi theta - C))^2 (abs(G)^2 Phi_d + Phi_v),
 

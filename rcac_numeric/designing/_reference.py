@@ -33,26 +33,25 @@ from rcac_numeric.plants._saturation import Saturation
 MOST = 2.0  # peak of the sensitivity S that a reference loop may have
 CONTROL = (1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0)  # R_2 over the square of the gain
 NOISE = (1.0, 10.0, 100.0)  # factors of V_2
-# Where the actuator has limits: a controller that answers to every step of y by more than they are
-# receives the applied u, and cycles between them.
+# With limits of u: a gain that exceeds them at every step of y gives a limit cycle between them.
 CALMER = (1e-9, 1e-4, 1e-2, 1.0, 10.0, 100.0)
 NOISIER = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
-TRIED = 1000  # steps of a run with the actuator
-NEARLY = 1.1  # times the least rms of the error: among those the calmest is taken
-LEARNING = 1_000  # the first seed that settings are chosen by
-BIAS, SLOPE = "bias", "bias_bias"  # models of a constant and of a ramp: the bias of a bias
-LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: no control moves one at 1 itself
+TRIED = 1000  # steps of a simulation with the actuator
+NEARLY = 1.1  # times the least rms of the error: among those the one with least u is taken
+LEARNING = 1_000  # the first seed of the runs that choose settings
+BIAS, SLOPE = "bias", "bias_bias"  # models of a constant and of a ramp, an integrated constant
+LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: one at 1 is not stabilisable
 DRIFT = 1e-2  # of the disturbance: how far it moves in a step
 LEAST_NOISE = 1e-5  # of the disturbance's effect on y: LQG without noise has no margins
-LEAST_LEFT = 0.1  # of the actuator's range, whatever lasts of the disturbance
+LEAST_LEFT = 0.1  # of the actuator's range, whatever a lasting disturbance takes
 NEAR = 1e-6  # rad/step beside the pole of a disturbance model
-SLOWEST = 1 - 1e-4  # spectral radius: one beside a zero at 1 is a hair from unstable
-# Beside poles at LASTS no difference equation of several u has the response to 1e-9. What is to
-# hold is the loop with it: its own peak is looked at.
+SLOWEST = 1 - 1e-4  # spectral radius of a usable loop; a zero at 1 pulls a pole beyond it
+# With poles at LASTS no difference equation of several u has the response to 1e-9, so the peak of
+# the loop with it is computed instead.
 CLOSE, CLOSER = 1e-4, 1e-2
 OUT_OF_REACH = 1e-4  # of the plant's gain: the remainder at a zero
-HIDDEN = 1e-9  # of the largest singular value: a mode that is not reached, or not seen
-FALLS = 0.2  # of the gain ten times as far from the zero, of which a tenth is left
+HIDDEN = 1e-9  # of the largest singular value: a mode that is not controllable, or not observable
+FALLS = 0.2  # of the gain ten times as far from the zero, where a zero leaves a tenth
 
 Models = dict[str, tuple[float, float]]
 
@@ -111,13 +110,13 @@ class LoopEvaluation:
     Attributes
     ----------
     lost : int
-        Plants that it does not stabilise, and one more where the nominal loop is a hair from it.
+        Plants that it does not stabilise, and one more if the nominal loop is nearly unstable.
     peak : float
         Ms with the nominal plant; infinite where that loop is unstable.
     error, control : float
         E[e_0^2] and E[(u + b)^2] under the expected signals, in units of the grid.
     most : float
-        What the latter may be.
+        The limit of `control`.
     """
 
     lost: int
@@ -128,7 +127,7 @@ class LoopEvaluation:
 
     @property
     def wide(self) -> float:
-        """The control power over its limit; above 1 u exceeds the actuator's range."""
+        """The control power over its limit; u exceeds the actuator's range above 1."""
         return float(self.control / self.most)
 
     @property
@@ -149,14 +148,14 @@ class LoopEvaluation:
 class WeightGrid:
     """The LQG controllers of a plant on a grid of weights, and their evaluation.
 
-    z = [e; sqrt(R_2) (u + b)] with b the part of d that is not white: then the Riccati equation
-    itself makes the controller cancel b, whatever R_2 is.
+    z = [e; sqrt(R_2) (u + b)] with b the part of d that is not white: the optimal controller then
+    cancels b for every R_2.
 
     Attributes
     ----------
     blocked : tuple of float
-        Frequencies, in rad/step, of parts of d that a zero of the plant blocks: no model of them is
-        in the controller, which the zero would cancel.
+        Frequencies, in rad/step, of parts of d that a zero of the plant blocks. The controller has
+        no model of them, since the zero would cancel its poles.
     """
 
     def __init__(
@@ -207,8 +206,8 @@ class WeightGrid:
         """Sort controllers, in units of the plant, by runs with limits; return their indices.
 
         The first one stays the first if its error, over the nominal plant and the others, is
-        within a tenth of the least. Else of those that are the one whose u moves least is: linear
-        theory does not cover the limits.
+        within a tenth of the least. Otherwise the one within it whose u moves least comes first:
+        linear theory does not cover the limits.
         """
         m = self.plant.m
         runs = self._runs(compensators)
@@ -252,8 +251,8 @@ class WeightGrid:
     def best(self) -> Reference:
         """The robust controller with nearly the least error, else the most robust one.
 
-        Of those within a tenth of the least error the one with the least u is taken; with limits
-        of u, unless runs with them say otherwise.
+        Among those within a tenth of the least error the one with the least u; with limits of u,
+        runs with them decide.
         """
         plant, units, V = self.plant, self.units, self.noise_variance
         candidates = {(R_2, V_2): parts for R_2, V_2, parts in self.candidates()}
@@ -355,11 +354,11 @@ def reference_loop(
 
 
 def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> tuple[float, ...]:
-    """Remove disturbance models that a plant zero blocks; raise an error if none remains possible.
+    """Remove disturbance models that a plant zero blocks; refuse what no controller rejects then.
 
-    Through a zero at its pole a constant d leaves nothing in y at rest, and a controller that
-    integrates beside that zero has a mode which nothing moves. No controller follows a command, or
-    rejects what is added to y, there.
+    A zero at the pole of the disturbance model blocks d, and an integrating controller beside it
+    has an uncontrollable mode. At that frequency no controller follows a command or rejects a
+    disturbance of y.
     """
     blocked = {name: omega for name, (omega, _) in models.items() if _is_blocked(plant, omega)}
     if not blocked:
@@ -423,7 +422,7 @@ def _is_blocked(plant: DesignPlant, omega: float) -> bool:
 def _in_units(
     plant: DesignPlant, units: tuple[float, float], changed: Variation | None = None
 ) -> Plant:
-    """The servo problem in these units of u and y, its states of like size."""
+    """The servo problem in these units of u and y, its states balanced."""
     servo = plant.servo(changed)
     B, C = servo.B * units[0], servo.C / units[1]
     A, B, C = balanced(servo.A, B, C)

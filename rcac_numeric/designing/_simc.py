@@ -15,7 +15,9 @@ from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants.gallery._zeros import plant_zeros
 
 DAMPED = 0.5  # least damping of a pair that counts as two lags
-HELD = 1.5  # steps: half of the hold, and the step by which a strictly proper controller is late
+HOLD_DELAY = (
+    1.5  # steps: half of the hold, and the step by which a strictly proper controller is late
+)
 STILL = 1e-7  # 1/step: a pole this slow is an integrator
 ROUNDS = 20  # the rules for zeros ask for tau_c, which follows from them
 
@@ -48,7 +50,7 @@ def simc(plant: DesignPlant, *, derivative: bool | None = None) -> FixedControll
     gain = gain * np.prod(-zeros) / np.prod(-poles[np.abs(poles) > STILL])
     if not abs(gain) > STILL * abs(response):
         raise NoSolutionError("the plant has a zero at rest, where its gain is 0.")
-    late = plant.delay + plant.fraction + HELD
+    late = plant.delay + plant.fraction + HOLD_DELAY
     theta, model = late, (0.0, 0.0, 0.0, False)
     for _ in range(ROUNDS):
         k, lags, later = _without_zeros(gain.real, _lags(list(poles)), zeros, theta)

@@ -29,15 +29,17 @@ class Balanced:
 
     def __init__(self, A: Array, B: Array, C: Array) -> None:
         self.A, self.B, self.C = A, B, C
-        self._reach = _root(stein_solution(A, B @ B.T))
-        self._seen = _root(stein_solution(A.T, C.T @ C))
-        self._left, self.hankel, self._right = np.linalg.svd(self._seen.T @ self._reach)
+        self._reachability = _root(stein_solution(A, B @ B.T))
+        self._observability = _root(stein_solution(A.T, C.T @ C))
+        self._left, self.hankel, self._right = np.linalg.svd(
+            self._observability.T @ self._reachability
+        )
 
     def truncated(self, order: int) -> tuple[Array, Array, Array]:
         """A, B, C of the states of the largest Hankel singular values."""
         scale = np.sqrt(self.hankel[:order])
-        into = self._reach @ self._right[:order].T / scale
-        onto = (self._seen @ self._left[:, :order] / scale).T
+        into = self._reachability @ self._right[:order].T / scale
+        onto = (self._observability @ self._left[:, :order] / scale).T
         return onto @ self.A @ into, onto @ self.B, self.C @ into
 
 

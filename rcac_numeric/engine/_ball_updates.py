@@ -26,7 +26,7 @@ from rcac_numeric.controllers._update import Update
 T = TypeVar("T")
 
 
-def held(value: arb, low: float, high: float, k: int) -> arb:
+def clamped(value: arb, low: float, high: float, k: int) -> arb:
     """Return `value` clamped to [low, high]."""
     if value > high:
         return arb(high)

@@ -28,7 +28,7 @@ class BatchRun(Result):
 
     Attributes
     ----------
-    plant : what was asked for.
+    plant : the arguments of the run.
     settings : tuple of controllers, one for each run.
     w, u, y, z : arrays, shape (runs, steps, width)
         NaN in u, y and z from the step on that was not completed.

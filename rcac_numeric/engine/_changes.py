@@ -117,7 +117,7 @@ class AppliedChange(Result):
         How far the filtered signals moved over the last 64 steps, ``sum |new - old|^2`` over
         ``sum |new|^2``; 0 without a target.
     evidence : str
-        Why it was made, where whoever made it said so.
+        The reason that its author gave, or empty.
     """
 
     k: int

@@ -38,8 +38,8 @@ def apply_change(
     require_kind(change, "the change", (ControllerChange,))
     if isinstance(settings.update, JointUD):
         raise InputError(
-            f"{settings.update!r} fits D_f to the target model and weights that it was given; it "
-            "cannot change while it runs. Start a new controller."
+            f"{settings.update!r} fits D_f for one target model and one set of weights; neither "
+            "can change during a run. Start a new controller."
         )
     l_z = settings.target.l_z
     weights = [
@@ -116,7 +116,7 @@ def _require_forgets(settings: ControllerSettings, lambda_: float) -> None:
         raise InputError(f"{update!r} has no forgetting factor that could be set.")
     if isinstance(update.lambda_, VariableRateForgetting):
         raise InputError(
-            f"lambda is set at every step by {update.lambda_!r}; it cannot be set by hand too."
+            f"lambda is set at every step by {update.lambda_!r}; so set_lambda is refused."
         )
     noise = update.process_noise if isinstance(update, RecursiveLeastSquares) else None
     if noise is not None and lambda_ != 1:

@@ -24,7 +24,7 @@ from rcac_numeric.engine._ball_updates import (
     BallData,
     ball_update,
     balls,
-    held,
+    clamped,
     inside,
     latest,
     normalized,
@@ -112,7 +112,7 @@ class BallController:
                     value[i, 0] += arb(weight) * v
             if self.k > 0:
                 value[i, 0] += arb(signal.pole) * past["derived"][-1][i, 0]
-            value[i, 0] = held(value[i, 0], -signal.limit, signal.limit, self.k)
+            value[i, 0] = clamped(value[i, 0], -signal.limit, signal.limit, self.k)
         past["derived"].append(value)
 
     def control(self) -> arb_mat:
@@ -161,7 +161,7 @@ class BallController:
             self.theta = inside(self.theta, s.bounds, self._update.times, k)
         elif s.bounds is not None:  # "clip" only: `require_supported` refuses "metric"
             rows = zip(self.theta.entries(), *s.bounds.box(s.structure), strict=True)
-            theta = [held(value, float(low), float(high), k) for value, low, high in rows]
+            theta = [clamped(value, float(low), float(high), k) for value, low, high in rows]
             self.theta = arb_mat(len(theta), 1, theta)
 
     def finish(self) -> None:

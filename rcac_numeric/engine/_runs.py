@@ -93,7 +93,7 @@ class Run(Value):
 
     Attributes
     ----------
-    plant, settings : what was asked for.
+    plant, settings : the arguments of the run.
     w, u, y, z : arrays, shape (steps, width)
         The signals at k = first_step, first_step + 1, ....
     u_applied : array, shape (steps, l_u)

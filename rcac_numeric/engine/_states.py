@@ -192,7 +192,7 @@ class SavedState(Value):
         try:
             restore(values)
             if steps() != self.k:
-                raise ValueError(f"it is said to be of step {self.k} and holds step {steps()}")
+                raise ValueError(f"its header has step {self.k}, its contents step {steps()}")
         except (ValueError, IndexError) as error:
             restore(before)
             raise InputError(f"the state of this {kind} is damaged: {error}.") from None

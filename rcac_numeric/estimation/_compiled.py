@@ -105,11 +105,11 @@ class Writer:
     there are is known at the end.
     """
 
-    def __init__(self, given: Sequence[sympy.Symbol]) -> None:
+    def __init__(self, symbols: Sequence[sympy.Symbol]) -> None:
         self.constants: dict[float, int] = {}
-        self.places: dict[Any, tuple[str, int]] = {s: ("given", i) for i, s in enumerate(given)}
+        self.places: dict[Any, tuple[str, int]] = {s: ("given", i) for i, s in enumerate(symbols)}
         self.steps: list[tuple[str, tuple[str, int], tuple[str, int]]] = []
-        self.given = len(given)
+        self.given = len(symbols)
 
     def constant(self, value: float) -> tuple[str, int]:
         """The register of a constant."""

@@ -45,7 +45,7 @@ class StateEstimates(Result):
     deviation : array, shape (steps, n)
         Square roots of the diagonal of P(k|k).
     P : array, shape (steps, n, n) or (0, n, n)
-        P(k|k), where it was asked for.
+        P(k|k), if requested.
     innovation : array, shape (steps, l_y)
         y(k) - h(x(k|k-1)); NaN where an entry is missing.
     nis : array, shape (steps,)
@@ -133,7 +133,7 @@ class ModeEstimates(Result):
     deviation : array, shape (steps, n)
         Square roots of the diagonal of P(k|k).
     P : array, shape (steps, n, n) or (0, n, n)
-        The covariance over the modes, their differences included, where it was asked for.
+        The covariance over the modes, their differences included, if requested.
     innovation : array, shape (steps, l_y)
         The mean over the modes of y(k) - h(x(k|k-1)); NaN where an entry is missing.
     nis : array, shape (steps,)

@@ -254,7 +254,7 @@ class Estimator(Resumable[AnyFilter]):
         return self._kernel.nis
 
     def save(self) -> Array:
-        """Every number that later steps depend on."""
+        """Return the state of the estimator as one array of numbers."""
         return np.asarray(self._kernel.save())
 
     def take_up(self, values: Array) -> None:

@@ -137,7 +137,7 @@ def observability_along(
     R: Array,
     measured: Array,
 ) -> Observability:
-    """The same of checked arrays and a compiled model; rows are weighed by the deviations of R."""
+    """Return the observability along checked arrays, with rows weighted by the deviations of R."""
     steps = min(len(x), LONGEST_LOOK)
     deviation, noise = np.sqrt(np.diag(P_0)), np.sqrt(np.diag(R))
     scale = np.where(deviation > 0, deviation, 1.0)

@@ -1,4 +1,4 @@
-"""An exported controller: a folder of C with the vector that it was held against."""
+"""An exported controller: a folder of C with its test vector."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ LONGEST_FOR_PX4 = 16 - len("_LAMBDA")  # letters of a prefix
 
 @dataclass(frozen=True)
 class Export(Truth):
-    """What was written, and how it was held against its source.
+    """The written files, and their comparison with the source.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Export(Truth):
     state_bytes, constant_bytes : int
         Of the state in RAM and of the constants in flash.
     replay : str
-        What the replay of the recorded vector said; empty where there is no compiler here.
+        The result of the replay of the recorded vector; empty without a compiler.
     agreement : str
         How the loop in float32 compares with that in float64; empty for float64.
     warnings : tuple of str

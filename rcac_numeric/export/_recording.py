@@ -1,4 +1,4 @@
-"""Inputs, and what a controller makes of them: what an export is held against."""
+"""Test vectors of an export: inputs, and the controller's outputs."""
 
 from __future__ import annotations
 

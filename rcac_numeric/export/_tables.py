@@ -221,13 +221,13 @@ class CoreTables:
         filtered = len(self.channels) * block * taps
         inflated = len(self.noise) // n * (n * (n - 1) + 3 * n)
         divisions = self.rows * (2 * n + 1) + (n if self.forgets else 0) + len(self.noise) * 2
-        kept = 0
+        history = 0
         if (
             self.ellipsoid is not None
         ):  # where theta is outside: four cuts, and a look at the result
             look = n * (n + 1) // 2 + 2 * n
-            kept, divisions = 2 * look + 4 * (n * n + 2 * look), divisions + 6
-        return control + filtered + self.rows * (row + whitened) + inflated + kept, divisions
+            history, divisions = 2 * look + 4 * (n * n + 2 * look), divisions + 6
+        return control + filtered + self.rows * (row + whitened) + inflated + history, divisions
 
     def stack(self, real: str) -> int:
         """Bytes of the stack that a step takes, about: its arrays, and what calls and registers do.
@@ -294,7 +294,7 @@ def core_tables(
 
 
 def scaled(tables: CoreTables) -> CoreTables:
-    """The same with P and the variances times 2^round(log2(R_theta)/2), for a short exponent.
+    """Scale P and the variances by 2^round(log2(R_theta)/2), for a short exponent.
 
     R_theta is the inverse of the geometric mean of D(0). The factor is a power of two, so that
     float64 gives the same bits.

@@ -30,11 +30,11 @@ from rcac_numeric.identification._scalar_record import (
 ROUNDS = 10  # of the iteration; it settles in about 5
 SETTLED = 1e-4  # relative change of the coefficients
 REFINED = (5, 3)  # of the best, by the output error itself, in two passes
-PENALTY = 3.0  # times that of BIC: noise that is not white asks for more
+PENALTY = 3.0  # times that of BIC: coloured noise needs more
 INTEGRATOR = np.array([1.0, -1.0])  # 1 - q^-1
 COLOUR = 4  # order of the noise model under which a pole at 1 is compared with a free one
 
-Found = dict[Shape, tuple[float, Array]]  # the criterion and the coefficients of each model
+FitsByShape = dict[Shape, tuple[float, Array]]  # the criterion and the coefficients of each model
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +130,7 @@ def identify_output_error(
     integrator_counts = sorted({sums for *_, sums in candidates})
     longest = max(n + d for n, d, _ in candidates)
     record = scalar_record(u, y, longest, drifts=integrator_counts != [0])
-    fits: Found = {}
+    fits: FitsByShape = {}
     for sums in integrator_counts:
         fits |= _fitted(record, [one for one in candidates if one[-1] == sums], fits)
     best = [
@@ -180,12 +180,12 @@ def _of_two(
     return imposed if values[1] < values[0] else free
 
 
-def _fitted(record: ScalarRecord, candidates: list[Shape], free: Found) -> Found:
+def _fitted(record: ScalarRecord, candidates: list[Shape], free: FitsByShape) -> FitsByShape:
     """The best refined model of some shapes with one number of integrators.
 
     Where `free` has models without a pole at 1 they are tried with their slowest pole put there.
     """
-    fits: Found = {}
+    fits: FitsByShape = {}
     for shape in candidates:
         starts = [_iterated(record, shape)]
         starts += [_without_slowest(of) for one, (_, of) in free.items() if one[:2] == shape[:2]]
@@ -218,7 +218,7 @@ def _driving(record: ScalarRecord, sums: int) -> Array:
     return np.cumsum(record.u) if sums else record.u
 
 
-def _share_poles(record: ScalarRecord, fits: Found) -> None:
+def _share_poles(record: ScalarRecord, fits: FitsByShape) -> None:
     """Try the poles of the best model of an order at every delay."""
     for n, sums in sorted({(n, sums) for n, _, sums in fits}):
         alike = [one for one in fits if one[0] == n]

@@ -251,7 +251,7 @@ def require_effect(feedthrough: Gate | None, effect: Gate) -> None:
 
 
 def gates_without_controller(search: ProcessSearch, fit: ProcessFit) -> tuple[Gate, ...]:
-    """The gates that ask for no controller, after the effect of u."""
+    """The gates that need no controller, after the effect of u."""
     jumps, late = jump_gate(search, fit), delay_gate(search, fit)
     return (late,) if jumps is None else (jumps, late)
 

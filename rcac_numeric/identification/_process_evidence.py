@@ -321,7 +321,7 @@ def part_fits(
 def bandwidth(fit: ProcessFit) -> float:
     """The frequency at which the phase of G is 90 degrees behind that at low frequency.
 
-    In rad/step; without controller the gain is asked for below it.
+    In rad/step; without controller the gain is tested below it.
     """
     G = fit.response(OMEGA)
     phase = np.unwrap(np.angle(G))

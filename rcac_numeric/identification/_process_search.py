@@ -204,7 +204,7 @@ class ProcessSearch:
         self.record = target
 
     def _clipped(self, record: ProcessRecord) -> None:
-        """The same on y without its jumps; the results begin a fit to y itself."""
+        """Fit Box-Jenkins models to y without its jumps, then to y from there."""
         first = len(self.fits)
         self._box_jenkins(record)
         best = sorted(self.fits[first:], key=_bic)[:4]

@@ -30,7 +30,7 @@ class RecursiveMarkov(ShowsState):
     Raises
     ------
     InputError
-        If a setting is out of range, or `H` is asked for before the data determine it.
+        If a setting is out of range, or `H` is read before the data determine it.
 
     Notes
     -----

@@ -29,7 +29,7 @@ class IdentifiedWindow(Value):
     markov : IdentifiedMarkovParameters, optional
         None where the window was refused.
     zeros : IdentifiedZeros, optional
-        None where the window was refused, or no order was asked for.
+        None where the window was refused, or `order` is None.
     refusal : str
         Why the window was refused; empty where it was not.
     """

@@ -57,7 +57,7 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
     n = len(A)
     A, B, h = matrix(A, "A", (n, n)), matrix(B, "B", (n, None)), number(h, "h")
     if not h > 0:
-        raise InputError(f"h = {h:g}; a sampling period is positive.")
+        raise InputError(f"h = {h:g} must be positive: it is the sampling period.")
     generator = np.zeros((n + B.shape[1], n + B.shape[1]))
     generator[:n, :n], generator[:n, n:] = A, B
     both = _exponential(generator, h)

@@ -25,7 +25,7 @@ from rcac_numeric.plots._style import (
 def plot_check(check: ControllerCheck) -> Figure:
     """Left: the signals and coefficients of the log. Right: poles, match, Nyquist curve.
 
-    What cannot be said is left out, and the sheet is as wide as what is left.
+    Undetermined panels are left out, and the sheet is narrower.
     """
     knows = check.loop is not None and check.is_consistent
     figure = Figure(figsize=(15 if knows else 9, 9), layout="constrained")

@@ -13,7 +13,7 @@ from rcac_numeric.engine._runs import Run
 from rcac_numeric.plots._library import Axes
 from rcac_numeric.plots._style import line_style
 
-NAMED = 12  # lines that a legend can name; more are told apart by the signal that they weigh
+NAMED = 12  # lines that a legend can name; more are coloured by their signal
 SHORT, COLUMN = 16, 1.1  # characters of a label that stands in a column of so many inches
 LONG = 200_000  # rows of theta that are drawn
 FEW = 3

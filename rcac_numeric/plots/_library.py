@@ -13,7 +13,7 @@ except ModuleNotFoundError as error:
     class Axes:  # type: ignore[no-redef]
         """Placeholder of a Matplotlib class; raises the install hint when used."""
 
-        def __init__(self, *given: object, **named: object) -> None:
+        def __init__(self, *args: object, **kwargs: object) -> None:
             require_library("matplotlib")
 
     Figure = SymmetricalLogLocator = Axes  # type: ignore[misc,assignment]

@@ -28,7 +28,7 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
     """Plot one run on one sheet.
 
     Left, over the step k: performance z, control u and controller coefficients theta. Right:
-    closed-loop poles and zeros beside the poles that the target asks for, and the frequency
+    closed-loop poles and zeros beside the poles of the target, and the frequency
     responses of G_f and of the intercalated transfer function of the final controller. A run
     that diverged is drawn up to where it did.
 

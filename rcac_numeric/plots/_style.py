@@ -18,7 +18,7 @@ QUIET = "#7f7f7f"
 NARROW = 6.0  # inches: below, panels stand one above the other and letters are smaller
 NARROWEST = 3.0
 CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-# Okabe and Ito's colours, told apart by every kind of colour vision, and lines for black and white.
+# Okabe and Ito's colours, distinct for every kind of colour vision, and lines for black and white.
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 # An axis spans at least this factor in gain and these radians: rounding is to look like rounding.

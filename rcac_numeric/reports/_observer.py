@@ -79,8 +79,8 @@ def _answers(decisions: Decisions) -> Section:
     return Section("Answers", verdicts, {"decisions": record})
 
 
-def _forms(found: exact.results.ObserverForms | None) -> Section:
-    forms = () if found is None else (*found.forms, *found.families)
+def _forms(observers: exact.results.ObserverForms | None) -> Section:
+    forms = () if observers is None else (*observers.forms, *observers.families)
     record = [
         {
             "regulator": str(form.regulator.as_expr()),

@@ -53,7 +53,7 @@ def svg_of(figure: figures.Figure, prefix: str, title: str) -> str:
             if legend is not None:
                 legend.get_frame().set_alpha(0)
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None})
-    return _named(_small(_with_own_ids(_in_colours(drawn.getvalue()), prefix)), prefix, title)
+    return _named(_small(_with_unique_ids(_in_colours(drawn.getvalue()), prefix)), prefix, title)
 
 
 def _in_colours(text: str) -> str:
@@ -63,7 +63,7 @@ def _in_colours(text: str) -> str:
     return text
 
 
-def _with_own_ids(text: str, prefix: str) -> str:
+def _with_unique_ids(text: str, prefix: str) -> str:
     """Prefix the used ids and remove the others: two figures must not share an id."""
     used = set(_REFERENCE.findall(text))
     text = _ID.sub(lambda m: f'id="{prefix}-{m[1]}"' if m[1] in used else "", text)

@@ -33,7 +33,7 @@ class FilteredCommand(Signal):
     Parameters
     ----------
     signal : Signal
-        The command as it is asked for.
+        The requested command, before limits.
     omega : float
         Bandwidth in rad/sample.
     zeta : float, optional

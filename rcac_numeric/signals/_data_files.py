@@ -175,8 +175,10 @@ def _split_matrix(file: Path, columns: list[LogColumn], names: Sequence[str]) ->
     """Name the columns of the one matrix of a file."""
     matrices = [c for c in columns if c.values is not None and c.values.ndim <= 2]
     if len(matrices) != 1 or matrices[0].values is None or not matrices[0].values.size:
-        held = shortened(", ".join(c.full_name for c in columns), 200) or "nothing"
-        raise InputError(f"{file}: columns = ... names the columns of one matrix; it holds {held}.")
+        names = shortened(", ".join(c.full_name for c in columns), 200) or "nothing"
+        raise InputError(
+            f"{file}: columns = ... names the columns of one matrix; it holds {names}."
+        )
     values = matrices[0].values
     values = values.reshape(-1, 1) if values.ndim < 2 else values
     if not names:

@@ -201,14 +201,14 @@ class LogContents(Result):
 
 def _numbered(columns: Sequence[LogColumn], name: str, *, fold: bool = False) -> list[LogColumn]:
     """The columns name1, name2, ... in order, if they are consecutive from 0 or 1."""
-    wanted = name.lower() if fold else name
+    target = name.lower() if fold else name
     members: dict[str, dict[int, LogColumn]] = {}
     for column in columns:
         match = NUMBERED.match(column.name)
         if not match:
             continue
         base = match[1].lower() if fold else match[1]
-        if wanted in (base, f"{column.topic}.{base}"):
+        if target in (base, f"{column.topic}.{base}"):
             members.setdefault(column.topic, {})[int(match[2])] = column
     for parts in members.values():
         first, last = min(parts), max(parts)

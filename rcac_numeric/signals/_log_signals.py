@@ -23,7 +23,7 @@ from rcac_numeric.signals._text_tables import without_head
 SIGNALS = ("u", "y", "z", "w", "r")
 # What a log may hold, under these names or those that the caller gives.
 ROLES = (*SIGNALS, "theta", "D_c", "N_c")
-HELD = ("u", "r", "theta")  # constant between two samples of the controller
+PIECEWISE_CONSTANT = ("u", "r", "theta")  # constant between two samples of the controller
 # So many names of a file are compared with one that it lacks: a hundred thousand take seconds.
 COMPARED = 1000
 SAME_TIME = 0.01  # relative difference of two sample times that are the same
@@ -222,8 +222,8 @@ def _missing(contents: LogContents, role: str, name: str, names: Names) -> str:
             return column.problem
     numbers = [c.full_name for c in contents.columns if not c.problem]
     has = shortened(", ".join(c.full_name for c in contents.columns)) or "nothing"
-    taken = {part for given in names.values() for part in _parts(given)}
-    free = [v for v in numbers[:COMPARED] if v not in taken]
+    used = {part for chosen in names.values() for part in _parts(chosen)}
+    free = [v for v in numbers[:COMPARED] if v not in used]
     close = difflib.get_close_matches(name, free, n=1, cutoff=0.5)
     likely = close or [v for v in free if v not in ROLES and v.lower() not in TIMES]
     hint = f" Did you mean {close[0]!r}?" if close else ""
@@ -354,9 +354,9 @@ def _hold(
     place = np.searchsorted(theirs, times + 1e-9 * (times[-1] - times[0]), side="right") - 1
     age = times - theirs[np.maximum(place, 0)]
     usual = float(np.median(np.diff(theirs))) if len(theirs) > 1 else 0.0
-    taken = values[np.maximum(place, 0)].copy()
-    taken[(place < 0) | (age > (OLDEST + _jitter(other)) * usual)] = np.nan
-    signals.arrays[role] = taken
+    used = values[np.maximum(place, 0)].copy()
+    used[(place < 0) | (age > (OLDEST + _jitter(other)) * usual)] = np.nan
+    signals.arrays[role] = used
     moved = float(np.abs(np.diff(values, axis=0)).mean(axis=0).max()) if len(values) > 1 else 0.0
     size = _spread(values) or 1.0
     late = float(age[place >= 0].mean()) if (place >= 0).any() else 0.0
@@ -400,7 +400,7 @@ def _resampled(
     for role, t in times.items():
         values = signals.arrays[role]
         values = values.reshape(len(values), -1)
-        if role in HELD:
+        if role in PIECEWISE_CONSTANT:
             place = np.searchsorted(t, grid + 1e-9 * (end - begin), side="right") - 1
             signals.arrays[role] = values[np.maximum(place, 0)]
             signals.notes.append(f"{role}: the last value before each step")

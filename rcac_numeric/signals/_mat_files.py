@@ -232,7 +232,7 @@ class _Version5:
         if first >> 16:  # up to four bytes, in the tag itself
             kind, size, start, step = first & 0xFFFF, first >> 16, 4, 8
             if size > 4:
-                raise DamagedError(f"an element of {size} bytes stands where four have room")
+                raise DamagedError(f"a small element has {size} bytes; at most four are possible")
         else:
             (size,) = struct.unpack(self.order + "I", view[4:8])
             kind, start, step = first, 8, 8 + size + -size % 8

@@ -487,24 +487,24 @@ def _labelled(
     head += [""] * (len(columns) - len(head))
     units += [""] * (len(columns) - len(units))
     for column, name, unit in zip(columns, head, units, strict=False):
-        column.name, own = split_unit(name) if dialect.names or names else ("", "")
-        column.unit = unit or own
-    kept = [c for c in columns if c.name or not _is_empty(c)]
-    if (dialect.names or names) and kept and not kept[0].name:
-        kept[0].name = "index" if all(c.name != "index" for c in kept) else "column 1"
-    counts = Counter(c.name for c in kept if c.name)
-    for i, column in enumerate(kept, 1):
+        column.name, unit_of_name = split_unit(name) if dialect.names or names else ("", "")
+        column.unit = unit or unit_of_name
+    nonempty = [c for c in columns if c.name or not _is_empty(c)]
+    if (dialect.names or names) and nonempty and not nonempty[0].name:
+        nonempty[0].name = "index" if all(c.name != "index" for c in nonempty) else "column 1"
+    counts = Counter(c.name for c in nonempty if c.name)
+    for i, column in enumerate(nonempty, 1):
         if dialect.names or names:
             if counts[column.name] > 1:
                 column.problem = column.problem or (
                     f"{file}: {counts[column.name]} columns are named {column.name}; each needs a "
-                    "name of its own."
+                    "distinct name."
                 )
                 column.name = f"{column.name} (column {i})"
             column.name = column.name or f"column {i}"
         label = shortened(column.name, 60) or str(i)
         column.problem = column.problem.replace("column {}:", f"column {label}:")
-    return kept
+    return nonempty
 
 
 def require_names(file: TextSource, names: Sequence[str], width: int) -> None:
@@ -516,7 +516,7 @@ def require_names(file: TextSource, names: Sequence[str], width: int) -> None:
         )
     if len(set(names)) < len(names) or not all(names):
         raise InputError(
-            f"columns = {shortened(', '.join(names), 200)}: each column needs a name of its own."
+            f"columns = {shortened(', '.join(names), 200)}: each column needs a distinct name."
         )
 
 

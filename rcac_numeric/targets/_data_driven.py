@@ -17,7 +17,7 @@ LITERAL = ("u~", "literal", "literal u~")
 
 @attrs.frozen(slots=False)
 class DataDriven:
-    """In the place of a target model: RCAC learns d_zu, H and the NMP zeros from u -> z.
+    """Replaces the target model: RCAC learns d_zu, H and the NMP zeros from u -> z.
 
     For `start` steps u is a white dither; from there on the controller runs with
 

@@ -221,7 +221,7 @@ BAD = [
     ("log.csv", as_text("u,output\n1,2\n"), "has no 'y'"),
     ("log.csv", as_text("u,y\n1,2\n3\n"), "line 3: 1 entries where 2"),
     ("log.csv", as_text("u,y\n1,abc\n"), "line 2, column y: 'abc' is not a number"),
-    ("log.csv", as_text("u,u\n1,2\n"), "a name of its own"),
+    ("log.csv", as_text("u,u\n1,2\n"), "distinct name"),
     ("log.csv", as_text("u,y\n1,2\n1,inf\n3,4\n"), "y has 1 gaps.*step 1"),
     ("log.csv", as_text(GOOD.replace("theta2", "x")), "theta has 1 coefficients.*has 2"),
     ("log.csv", lambda path: path.write_bytes(b"\xff\xfe\x00"), "not a text file"),

@@ -47,7 +47,7 @@ def test_the_report_and_its_record(heater):
     [
         ("1,2\n3,4\n", (), "--columns t,u,y"),
         ("1,2\n3,4\n", ("--columns", "u"), "has 2 columns, and 1 names"),
-        ("1,2\n3,4\n", ("--columns", "u,u"), "a name of its own"),
+        ("1,2\n3,4\n", ("--columns", "u,u"), "distinct name"),
         ("t,u,y\n0,1,2\n1,2,3\n", ("--time", "clock"), "no column 'clock' with times"),
         ("", (), "is empty"),
         ("\0\1\2" * 99, (), "null characters"),

@@ -53,7 +53,7 @@ def test_a_named_plant_may_change_its_gain_and_delay():
     [
         ({"problem": "aircarft"}, "Did you mean 'aircraft'"),
         ({"problem": "rohrs"}, "needs the key 'h'"),
-        ({"problem": "rohrs", "h": -1}, "h = -1; a sampling period is positive"),
+        ({"problem": "rohrs", "h": -1}, "h = -1 must be positive"),
         ({"problem": "rohrs", "h": 0.1, "duty": 0.5}, "sets 'duty'"),
         ({"problem": "aircraft", "condition": "inverted"}, "condition"),
         ({"problem": "aircraft transition", "duration": 0}, "duration = 0"),

@@ -207,7 +207,7 @@ def test_a_bad_file_is_refused_when_it_is_read(tmp_path, study, words):
         ("axes.a = { sets = 'controller.R_tehta', values = [1] }",
          "unknown key 'R_tehta' in \\[controller\\]. Did you mean 'R_theta'"),
         ("axes.a = { sets = 'plant.G', values = ['1/(q - 2)', '1/(q - 0.9) +'] }", "the axis 'a'"),
-        ("repetitions = 1000000000", "1000000000 runs.*must be asked for.*--yes"),
+        ("repetitions = 1000000000", "1000000000 runs.*must be requested.*--yes"),
     ],
 )  # fmt: skip
 def test_a_value_that_makes_no_run_is_refused_before_anything_runs(tmp_path, study, words):

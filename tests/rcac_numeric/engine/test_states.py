@@ -230,7 +230,7 @@ def test_a_state_of_another_controller_or_loop_is_refused():
         rn.simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, x_0=[1.0])
     for k, values, message in (
         (5, run.state.values[:-1], "the state of this loop is damaged"),
-        (4, run.state.values, "it is said to be of step 4 and holds step 5"),
+        (4, run.state.values, "its header has step 4, its contents step 5"),
     ):
         other = rn.SavedState.of_values("loop", k, values, run.state.fingerprint)
         with pytest.raises(InputError, match=message):

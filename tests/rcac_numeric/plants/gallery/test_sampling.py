@@ -86,7 +86,7 @@ def test_two_short_periods_make_a_long_one():
 @pytest.mark.parametrize(
     ("A", "B", "h", "message"),
     [
-        ([[1.0]], [[1.0]], 0.0, "h = 0; a sampling period is positive"),
+        ([[1.0]], [[1.0]], 0.0, "h = 0 must be positive"),
         ([[1.0]], [[1.0]], float("nan"), "h"),
         ([[1e6]], [[1.0]], 1.0, "the fastest growing mode of A is 1e.06 per second"),
         ([[1.0, 0.0]], [[1.0]], 1.0, "A has shape"),
