@@ -14,7 +14,7 @@ _FACTORED = 2**30  # SymPy writes roots of smaller numbers in one form: its tria
 _PAIRS = (sympy.sin, sympy.cos, sympy.tan)
 _TRIGONOMETRIC = sympy.functions.elementary.trigonometric.TrigonometricFunction
 _DEAD_TIME = (
-    "as dead_time={dead_time} to {function}, sampled as 1/q**d, or as a list of polynomials to "
+    "as dead_time= to {function}, sampled as 1/q**d, or as a list of polynomials to "
     "stability_delays"
 )
 DEAD_TIME = Advice("design", (("dead_time", "..."),), f"pass a dead time separately: {_DEAD_TIME}")
@@ -150,7 +150,8 @@ def _dead_time_advice(part: Expr) -> Advice:
     return Advice(
         "design",
         (("dead_time", f"{-float(factor):.15g}"),),
-        f"leave the exponential out and pass its dead time separately: {_DEAD_TIME}",
+        "leave the exponential out and pass the dead time of {dead_time} s separately: "
+        + _DEAD_TIME,
     )
 
 

@@ -1,4 +1,4 @@
-"""One estimator on one true system over its seeds, what came of it, and what claims measure."""
+"""One estimator on one true system over its seeds: results, and measures for claims."""
 
 from __future__ import annotations
 

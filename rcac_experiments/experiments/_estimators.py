@@ -187,7 +187,7 @@ class IndirectLoop(Estimation):
         return f"RCMR and FPRE, {fed_back}"
 
     def execute(self, system: TrueSystem, steps: int, seed: int) -> EstimatedRun:
-        """The loop; where it diverges, what came before."""
+        """Return the loop, up to a divergence."""
         plant = system.schedule(self._plant)
         r = np.full(steps, self.command)
         with np.errstate(all="ignore"):  # a loop that leaves float64 is reported
@@ -197,7 +197,7 @@ class IndirectLoop(Estimation):
         return EstimatedRun(run.theta[:, 0], truth[: run.steps], run.z, outcome=outcome)
 
     def _plant(self, A: Array, D_1: Array, C: Array) -> Plant:
-        """The true system with the command in w, what is fed back in y, and r - C_r x in z."""
+        """The true system with the command in w, the fed-back output in y, and r - C_r x in z."""
         C_r = self.controller.C_r
         measured = C_r if self.controller.has_observer else np.eye(len(A))
         l_y, l_u = len(measured), D_1.shape[1]

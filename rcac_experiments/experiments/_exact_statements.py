@@ -1,4 +1,4 @@
-"""The statements of exact examples, what they are about, and their verdicts without a tolerance."""
+"""The statements of exact examples, their subjects, and their verdicts without a tolerance."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Picture(Value):
 
     @property
     def box(self) -> str:
-        """What it shows of its plane: the viewBox of its SVG."""
+        """The visible part of the plane: the viewBox of the SVG."""
         return self._attribute("viewBox")
 
     def _attribute(self, name: str) -> str:

@@ -29,7 +29,7 @@ def single_figures(repetition: LoopAnalysis) -> dict[str, Figure]:
 
 
 def page_figures(verification: Verification) -> dict[str, Figure]:
-    """The pictures that the experiment asks for, or those of its main run, by what they show."""
+    """The requested pictures, or those of the main run, by their subject."""
     requests = [r for r in verification.experiment.figures if r.kind != "sheet"]
     if not requests and verification.estimates:
         return {"What is estimated.": plot_verification(verification, width=WIDTH)}

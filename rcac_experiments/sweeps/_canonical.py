@@ -52,7 +52,7 @@ def digest(text: str) -> str:
 
 
 def name_of(function: Callable[..., Any]) -> str:
-    """What a function, or the class of a record that is called, is imported by: `module:name`."""
+    """Return the import path of a function, or of the class of a callable record: `module:name`."""
     function = type(function) if is_record(function) else function
     module = getattr(function, "__module__", "")
     name = getattr(function, "__qualname__", "")

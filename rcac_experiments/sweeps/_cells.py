@@ -1,4 +1,4 @@
-"""From coordinates to the case that is run: each cell is made once, and its plant once for many."""
+"""From coordinates to cases: each cell is made once, and its plant once for many."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Cell:
         return case
 
     def _stride(self, specification: RunSpecification) -> int:
-        """How often theta is kept: most of the memory, so only where somebody looks at it."""
+        """The interval of stored theta, most of the memory: only metrics of theta need it."""
         study = self.study
         looks = "theta" in study.keep_signals or any(metric.needs_theta for metric in study.keep)
         return specification.stride if looks else max(specification.steps, 1)
@@ -106,7 +106,7 @@ OF_START = {f"controller.{name}": name for name in ("k_w", "k_update")}
 
 
 class Cells:
-    """Makes the cells of a study, and remembers the last ones and what they are made of.
+    """Makes the cells of a study, with a cache of the last ones and their parts.
 
     Of a document only the tables that are others are read again. Where an axis sets a number of the
     controller, the settings of a cell that differs in such numbers alone are taken with its own.
@@ -145,7 +145,7 @@ class Cells:
         return Cell(study, coordinates, specification, {})
 
     def _specification(self, document: dict[str, Any]) -> RunSpecification:
-        """All that a document says, of which nothing is made twice."""
+        """A document with a cache of everything made from it."""
         file = self.study.file
         if self._read is None:
             tables = read_run(document, {"name": "main"}, file)

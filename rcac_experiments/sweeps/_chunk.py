@@ -95,7 +95,7 @@ class ChunkResult(Value):
 
 
 def failure(run: int, outcome: str, error: BaseException | str) -> RunRecord:
-    """The record of a run of which nothing is known but what went wrong."""
+    """Return the record of a failed run, with its error alone."""
     if isinstance(error, MemoryError):
         outcome = OUT_OF_MEMORY
     elif isinstance(error, TimeLimitReached):

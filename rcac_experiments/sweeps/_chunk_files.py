@@ -99,7 +99,7 @@ def decode(layout: Layout, number: int, rows: int, data: bytes) -> Columns:
 
 
 def _column(kind: str, chunked: Any) -> Any:
-    """An array of numbers, NaN where there is none; a list of texts, each of them held once."""
+    """An array of numbers, NaN where there is none; a list of texts, each stored once."""
     array = chunked.combine_chunks()
     if kind == TEXT:
         words = array.dictionary.to_pylist()

@@ -108,7 +108,7 @@ def convert_store(old: str | Path, folder: str | Path) -> StoreCheck:
 
 
 def _require_old(path: Path) -> int:
-    """Refuse what is no SQLite file, and one with something beside it; the bytes of the file."""
+    """Return the bytes of a SQLite file; refuse others, and one with a journal beside it."""
     try:
         is_ordinary = path.is_file() or not os.path.lexists(os.path.realpath(path))
         if is_ordinary:

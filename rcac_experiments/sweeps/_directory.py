@@ -35,7 +35,7 @@ def sealed(data: bytes) -> bytes:
 
 
 def require_sealed(data: bytes) -> None:
-    """Refuse bytes that are not what `sealed` made."""
+    """Refuse bytes without the digest of `sealed`."""
     place = data.rfind(MARK) + len(MARK)
     end = place + len(ZEROS)
     if place < len(MARK) or data[place:end] != _digest(data[:place] + ZEROS + data[end:]):
@@ -90,7 +90,7 @@ class Directory:
         return os.listdir(self.path if self.handle is None else self.handle)
 
     def about(self, name: str) -> os.stat_result:
-        """What stands there itself."""
+        """Return the status of the entry itself, not of a link's target."""
         return os.stat(self._at(name), dir_fd=self.handle, follow_symlinks=False)
 
     def read(self, name: str, at_most: int) -> bytes:
@@ -131,7 +131,7 @@ class Directory:
                 os.unlink(self._at(part), dir_fd=self.handle)
 
     def remove_abandoned(self) -> None:
-        """Remove what a process that was killed an hour ago or more was writing."""
+        """Remove partial files that are older than an hour."""
         for name in filter(is_part, self.names()):
             with suppress(OSError):
                 about = self.about(name)

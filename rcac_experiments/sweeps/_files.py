@@ -36,7 +36,7 @@ WORDS = ("title", "id", "source", "notes", "claims")
 
 
 class _Values(Form):
-    """What an axis goes through: anything that may stand in an experiment file."""
+    """The values of an axis: anything that an experiment file may hold."""
 
     words = "a list of values, not an empty one"
 
@@ -94,7 +94,7 @@ MEASURE_KINDS: Kinds[Any] = Kinds(
 
 @attrs.frozen(eq=False)
 class MetricTable(Alias):
-    """A number that is kept of every run."""
+    """A metric of every run."""
 
     measure: Annotated[PartialCall[float], MEASURE_KINDS, "What is measured."]
     name: Annotated[str, "Of its column; the measure's where it is left out."] = ""

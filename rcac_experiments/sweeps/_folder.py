@@ -178,7 +178,7 @@ class Folder:
         return sorted(filter(None, map(_number, self.chunks.names() if self.chunks else ())))
 
     def strangers(self) -> list[str]:
-        """What is beside the files of chunks, and would be read with them by others."""
+        """Return foreign files among the chunks, which other readers would read too."""
         names, most = self.chunks.names() if self.chunks else [], self.study.plan.chunks
         return sorted(n for n in names if not is_part(n) and not 0 < (_number(n) or 0) <= most)
 

@@ -1,4 +1,4 @@
-"""A store as a whole: its study, how much of it has been run, and what came out."""
+"""A store as a whole: its study, progress and outcomes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rcac_numeric.arrays._values import Result
 
 @dataclass(frozen=True, eq=False)
 class SweepOverview(Result):
-    """What a store holds.
+    """The contents of a store.
 
     Of the runs that have ended, those that failed are in `table.failed` and in no number else.
 
@@ -58,7 +58,7 @@ class SweepOverview(Result):
 
     @property
     def failures(self) -> dict[str, int]:
-        """What was wrong with the runs that failed, and how often, the most frequent first."""
+        """Errors of failed runs with their counts, the most frequent first."""
         outcomes, texts = (self.table.failed.get(name, ()) for name in ("outcome", "failure"))
         words = (f"{outcome}: {text}" for outcome, text in zip(outcomes, texts, strict=True))
         return dict(Counter(words).most_common())
@@ -70,7 +70,7 @@ class SweepOverview(Result):
 
     @property
     def errors(self) -> dict[str, int]:
-        """What was recorded beside the outcomes, and how often, the most frequent first."""
+        """Notes beside the outcomes with their counts, the most frequent first."""
         return dict(Counter(e for e in self.table["failure"].tolist() if e).most_common())
 
     def _sheet(self) -> Any:
@@ -89,7 +89,7 @@ class SweepOverview(Result):
 def sweep_overview(
     store: str | Path, measure: str = "", by: tuple[str, ...] | None = None
 ) -> SweepOverview:
-    """What a store holds, summarised over some axes.
+    """Summarise the contents of a store over some axes.
 
     Parameters
     ----------

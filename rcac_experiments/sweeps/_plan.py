@@ -1,4 +1,4 @@
-"""Which runs a study has: their numbers, and what becomes of them when the study grows."""
+"""The runs of a study: their numbers, which stay when the study grows."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def stage_of(resolved: Resolved) -> Stage:
 
 
 def united(old: Resolved, new: Resolved) -> Resolved:
-    """All that two studies ask for that differ in what may grow, the old values first."""
+    """Return the union of two studies that differ in extendable parts, the old values first."""
     axes = [
         {**axis, "values": [*axis["values"], *_lacking(other["values"], axis["values"])]}
         for axis, other in zip(old["axes"], new["axes"], strict=True)
@@ -163,7 +163,7 @@ def united(old: Resolved, new: Resolved) -> Resolved:
 
 
 def grown(path: object, old: Resolved, new: Resolved) -> Resolved:
-    """What the store holds and the study asks for together; anything else is refused."""
+    """Return the store's study extended by the new one; refuse any other difference."""
     then, now = (
         {key: value for key, value in of.items() if key not in GROWING}
         | {"axes": {axis["name"]: axis["sets"] for axis in of["axes"]}}
@@ -193,7 +193,7 @@ def _lacking(values: Sequence[Any], others: Sequence[Any]) -> list[Any]:
 
 
 def _differences(path: str, old: Any, new: Any) -> list[str]:
-    """What differs, each by the path to it."""
+    """Return the paths of all differences."""
     if path == "axes" and list(old) != list(new):
         return [f"axes: {', '.join(old)} before, {', '.join(new)} now"]
     if isinstance(old, Mapping) and isinstance(new, Mapping) and old.keys() == new.keys():

@@ -1,4 +1,4 @@
-"""What can be wrong with a store: an error for who calls, and a word among its readers."""
+"""Defects of a store: an error for users, and an internal one among its readers."""
 
 from __future__ import annotations
 
@@ -10,4 +10,4 @@ class StoreError(InputError):
 
 
 class Damaged(Exception):
-    """A file is not what was written; why."""
+    """A damaged file, with the reason."""

@@ -240,7 +240,7 @@ def _study(
 
 
 def _file_in(data: str | Path | None, about: StoredStudy, store: str) -> str:
-    """A file beside the data files of the study, after they were found to be what they were."""
+    """Return a path beside the data files of the study, after their digests were checked."""
     resolved = about.resolved
     named = sorted(data_files([resolved["base"], *(a["values"] for a in resolved["axes"])]))
     stored: dict[str, str] = resolved["files"]

@@ -1,4 +1,4 @@
-"""Statistics of runs: shares with their confidence intervals, quantiles of what was measured."""
+"""Statistics of runs: shares with their confidence intervals, quantiles of metrics."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def wilson_interval(
 
 @dataclass(frozen=True, eq=False)
 class SweepSummary(Result):
-    """A study group by group: how many runs completed, and what was measured of those.
+    """A study group by group: the number of completed runs, and their metrics.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A study: a base problem, what varies, how often it is run, and what is kept."""
+"""A study: a base problem, its axes, repetitions and metrics."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ class Study(Value):
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
-        """All that decides the results, in JSON's own types."""
+        """Everything that decides the results, in JSON types."""
         return {
             "base": plain(self.base),
             "files": file_digests(

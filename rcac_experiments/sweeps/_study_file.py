@@ -35,7 +35,7 @@ KEYS = {
 
 @dataclass(frozen=True)
 class StoredStudy:
-    """What a folder says of its study.
+    """The study of a folder.
 
     `versions` and `instruction_set` are those that it was begun with, `mixed` what differed when
     others went on with it.
@@ -57,7 +57,7 @@ class StoredStudy:
 
     @cached_property
     def name(self) -> str:
-        """What every chunk is bound to: the study without what may grow."""
+        """The digest that binds each chunk to the study without its extendable parts."""
         axes = [{"name": axis["name"], "sets": axis["sets"]} for axis in self.resolved["axes"]]
         fixed = {key: value for key, value in self.resolved.items() if key not in GROWING}
         return digest(canonical_json({**fixed, "axes": axes}))
@@ -88,7 +88,7 @@ class StoredStudy:
 
 
 def begun(study: Study, instruction_set: str, chunk_size: int) -> StoredStudy:
-    """What is said of a study that begins now and here."""
+    """Return the record of a new study with the current versions."""
     resolved = json.loads(json.dumps(study.resolved))
     return StoredStudy(
         resolved, str(Path(study.file).resolve()), study.title, versions(), instruction_set,
@@ -141,7 +141,7 @@ def text_of(about: StoredStudy) -> bytes:
 
 
 def read_text(data: bytes) -> StoredStudy:
-    """What study.json says; raises one of `NO_STUDY` where it is none."""
+    """Read study.json; raise one of `NO_STUDY` for any other file."""
     if _entries(data) > MOST_ENTRIES:
         raise ValueError(f"it has more than {MOST_ENTRIES} values")
     document = json.loads(data)

@@ -62,7 +62,7 @@ class SweepTable(Value):
         return len(self.failed.get("run", ()))
 
     def where(self, **coordinates: Any) -> SweepTable:
-        """The rows at these coordinates, and what failed there.
+        """Return the rows at these coordinates, and the failed runs there.
 
         Examples
         --------
@@ -100,7 +100,7 @@ class SweepTable(Value):
 
 
 def read_table(store: str | Path) -> SweepTable:
-    """The results in a store, by increasing number of the run; what failed stands apart.
+    """The results in a store, by increasing number of the run, with failed runs separate.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What decides the last bits of a result beside the study itself."""
+"""Versions and settings that decide the last bits of a result."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def versions() -> dict[str, str]:
 
 
 def differing(then: dict[str, str], now: dict[str, str]) -> dict[str, tuple[str, str]]:
-    """What can change a digit and is not what it was, by name."""
+    """Return changed versions that can change a digit, by name."""
     return {
         name: (words, now.get(name, "absent"))
         for name, words in then.items()
@@ -78,7 +78,7 @@ def _commit(root: Path) -> str:
 
 
 def _blas(show: Any) -> str:
-    """What a library was built with."""
+    """Return the build options of a library."""
     try:
         blas = show(mode="dicts")["Build Dependencies"]["blas"]
     except (KeyError, TypeError):

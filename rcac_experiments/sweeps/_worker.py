@@ -42,7 +42,7 @@ from rcac_numeric.engine._runs import Run
 
 
 class MeasureFailed(Exception):
-    """A measure raised what is no property of its run."""
+    """An exception of a metric that is no property of its run."""
 
     def __init__(self, name: str, cause: BaseException) -> None:
         super().__init__(name)
@@ -60,7 +60,7 @@ class KeyWatch:
         self._previous: Callable[[int, FrameType | None], Any] | None = None
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
-        """What Python calls when the key was pressed."""
+        """The signal handler."""
         self.pressed = True
         if self._previous is not None:
             self._previous(number, frame)

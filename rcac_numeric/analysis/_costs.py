@@ -40,7 +40,7 @@ class H2Cost(Result):
         The part of `value` of each noise, with the others zero.
     terms : mapping from names to floats
         "state" tr(Q_1 R_1), "cross" 2 tr(R_12 C_c Q_12'), "control" tr(Q_2 C_c' R_2 C_c) and
-        "direct", what w adds to z within the same step.
+        "direct", the part of z by w of the same step.
     spectral_radius : float
         Of the closed loop, from computed eigenvalues; those of a strongly non-normal loop are
         wrong by more than rounding, and whether `value` is finite is not read off them.

@@ -169,7 +169,7 @@ class _Registers:
         return rows
 
     def read(self, tap: Tap) -> Exact:
-        """Return the row of one entry of the regressor; zero for what only r moves."""
+        """Return the row of one entry of the regressor; zero for an entry that only r moves."""
         if tap.signal == "derived" and tap.component in self.derived:
             place = list(self.derived).index(tap.component)
             rows = self.past("derived", tap.delay) if tap.delay else self.signals

@@ -60,7 +60,7 @@ NEED_THE_TARGET = ("target", "match", "split")
 
 @dataclass(frozen=True, eq=False)
 class ControllerCheck(Result):
-    """The analysis of a log's final controller, with reasons for what was not evaluated.
+    """The analysis of a log's final controller, with reasons for items that were not evaluated.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class ControllerCheck(Result):
 
     @cached_property
     def internal_models(self) -> tuple[InternalModel, ...]:
-        """Controller poles within 0.01 of the unit circle, and what they reject."""
+        """Controller poles within 0.01 of the unit circle, and the signals that they reject."""
         return internal_models(self.compensator, self.loop)
 
     def _evaluated(self, name: str, evaluate: Callable[[LoopAnalysis], T]) -> T | None:

@@ -350,7 +350,7 @@ class _Screen:
         return np.concatenate(best, axis=1)
 
     def _parts(self, phi: Array, positions: Array) -> Iterator[tuple[Array, Array, Array]]:
-        """The parts of Phi theta by u and by what is read, and their size, for each shift."""
+        """The parts of Phi theta by u and by the read signal, and their size, for each shift."""
         shape = (-1, len(self.structure.taps), self.structure.l_u)
         for theta in self.theta:
             Theta = theta[:, positions].reshape(shape)

@@ -27,7 +27,7 @@ from rcac_numeric.signals._log_signals import SIGNALS, read_signals
 
 @attrs.frozen(eq=False, slots=False)
 class ControllerLog(Value):
-    """What was recorded of a controller in its loop; one row for each step k = 0, 1, ....
+    """The recorded signals of a controller in its loop; one row for each step k = 0, 1, ....
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ class ControllerLog(Value):
         Parameters
         ----------
         convention : str
-            What differs in the program that wrote the log, joined by commas: "-u", "-y", "z for y",
+            Differences of the program that wrote the log, joined by commas: "-u", "-y", "z for y",
             "r - y for y", "r + y for y", "y first", "interleaved", "oldest first", "by component",
             "by rows", "lags by rows". `check_controller` names the one that replays.
         structure : Structure

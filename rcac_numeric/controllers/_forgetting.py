@@ -87,7 +87,7 @@ class VariableRateForgetting:
 
 @attrs.frozen(slots=False, field_transformer=with_checks)
 class SubspaceForgetting:
-    """Forgetting of what is excited alone, down to R_theta and no further; for `UD`.
+    """Forgetting in excited directions alone, down to R_theta and no further; for `UD`.
 
     Before each row phi of the update
 

@@ -28,7 +28,7 @@ class SupervisionWarning(UserWarning):
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Supervision(Value):
-    """What watches a controller while it runs, and the policy that acts in trouble.
+    """The supervision of a running controller, and its policy in case of trouble.
 
     P is looked at after every 16 steps: it is wound up where a variance is more than `growth` times
     what it was in P(0), with U and D of P = U D U' where d_j > growth d_j(0). Then, where abs(z)

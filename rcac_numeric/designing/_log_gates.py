@@ -1,4 +1,4 @@
-"""The gates of a log's model that ask what its controller does: gain, rivals, misfit, halves."""
+"""The gates of a log's model that test its controller: gain, rivals, misfit, halves."""
 
 from __future__ import annotations
 

@@ -228,7 +228,7 @@ def test_a_cold_start_with_directions():
     blocked = eta @ np.tensordot(powers, built.target.numerator, 1)
     assert np.allclose(blocked, 0, atol=1e-12)
     assert built.structure == rn.iir(6, 2, 2) and np.allclose(built.update.R_theta, 40 * np.eye(48))
-    with pytest.raises(InputError, match="no modelling information"):
+    with pytest.raises(InputError, match="must be ModellingInformation"):
         rn.cold_start("1/(s + 1)", order=1, stable=True)
     with pytest.raises(InputError, match="size of a signal"):
         rn.cold_start(known, order=4, stable=True, u=0.0)
