@@ -376,7 +376,8 @@ def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> Design
             raise NoSolutionError(
                 f"several outputs share the pole {pole:.4g} of the sampled plant, which does not "
                 "decay: with dead times by entry each output is realised separately, and u cannot "
-                "move the copies independently. Give the plant in q, with the dead times in its entries."
+                "move the copies independently. Give the plant in q, with the dead times in its "
+                "entries."
             )
     return _checked(design_plant)
 
