@@ -144,7 +144,7 @@ export class Plane {
 
   handle({ kind, index, side }) {
     const group = document.createElementNS(SVG, "g"), [of, name] = kind === "poles"
-      ? [["circle", { r: 10 }], "pole asked for"] : [["path", { d: "M0 -12L11 8H-11Z" }], "zero that RCAC knows"];
+      ? [["circle", { r: 10 }], "requested pole"] : [["path", { d: "M0 -12L11 8H-11Z" }], "zero that RCAC knows"];
     group.setAttribute("class", "handle");
     Object.assign(group.dataset, { kind, index, side });
     if (side === 1) {
