@@ -2,10 +2,13 @@
 
 A statement is its words, its hypotheses, the names of its evidence, the text of each check with all
 that it uses, and for each theorem of Coq its source's statement, the type that Coq prints and the
-definitions in it. ``python -m proofs.ledger.sign`` shows what differs from what is signed.
+definitions in it. Signed besides: the list of statements, the errata, and the trusted base, which
+runs the checks and prints their outcome. ``python -m proofs.ledger.sign`` shows what
+differs from what is signed.
 """
 
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,13 +22,11 @@ from .ledger import read
 
 Parts = dict[str, str]
 FILE = Path("proofs/statements/signatures.txt")
-_RUNNERS = (
-    *("ledger/checks", "ledger/code", "ledger/entries", "ledger/formal_check", "ledger/ledger"),
-    *("ledger/mutants", "ledger/outcomes", "ledger/signatures", "ledger/verification"),
-    *("formal/assumptions", "formal/questions", "formal/rocq_build", "formal/rocq_sources"),
-    *("formal/types", "formal/witnesses"),
-)
-_RUNNER_PARTS = "what runs the checks"
+ERRATA = Path("rcac_experiments/dissertation/errata_files")
+_CHECKS = ("symbolic", "properties", "counterexamples")
+_LIST_PARTS = "the list of statements and errata"
+_MODULE_PARTS = "what modules do when they are imported"
+_RUNNER_PARTS = "what runs the checks and prints their outcome"
 _FILE_PARTS = "what surrounds the theorems"
 
 
@@ -45,6 +46,8 @@ class Tree:
     def parts(self) -> dict[str, Parts]:
         """Return for each statement, and for the Coq files, the digest of each of its parts."""
         rocq, code = self.root / "proofs" / "rocq", Code(self.root)
+        if intrusions := code.intrusions():
+            raise ValueError(f"a module changes what is not its own: {', '.join(intrusions)}")
         types = committed(rocq)
         parts = {
             entry.name: dict(_parts(entry, rocq, types, code))
@@ -56,14 +59,39 @@ class Tree:
             )
             for path in sources(rocq)
         }
-        proofs = self.root / "proofs"
-        parts[_RUNNER_PARTS] = {
-            name: digest(" ".join((proofs / f"{name}.py").read_text(encoding="utf-8").split()))
-            for name in _RUNNERS
+        entries = list(parts)[:-1]
+        errata = dict(_errata(self.root / ERRATA))
+        parts |= {f"erratum {name}": words for name, words in errata.items()}
+        parts[_LIST_PARTS] = {
+            f"{len(entries)} statements": digest(*entries),
+            f"{len(errata)} errata": digest(*errata),
         }
-        for name in ("_CoqProject", "Makefile"):
-            parts[_RUNNER_PARTS][f"rocq/{name}"] = digest((rocq / name).read_text(encoding="utf-8"))
+        parts[_MODULE_PARTS] = {
+            name: code.own_code(name)
+            for name in code.modules()
+            if not name.startswith("proofs.ledger")
+        }
+        parts[_RUNNER_PARTS] = {
+            path.relative_to(self.root).as_posix(): digest(
+                " ".join(path.read_text(encoding="utf-8").split())
+            )
+            for path in self.trusted_base()
+        }
         return parts
+
+    def trusted_base(self) -> list[Path]:
+        """List the files on which every outcome depends, besides Python, libraries and Coq."""
+        proofs = self.root / "proofs"
+        modules = [
+            path
+            for path in sorted(proofs.rglob("*.py"))
+            if path.relative_to(proofs).parts[0] not in _CHECKS
+        ]
+        settings = [
+            proofs / "unproved.toml",
+            *(proofs / "rocq" / f for f in ("_CoqProject", "Makefile")),
+        ]
+        return [*modules, *settings]
 
     def signed(self) -> dict[str, Parts]:
         """Read what is signed.
@@ -106,6 +134,21 @@ class Tree:
         (self.root / FILE).write_text("\n\n".join(blocks) + "\n", encoding="utf-8")
 
 
+def _errata(folder: Path) -> Iterator[tuple[str, Parts]]:
+    """List the errata with the digest of each of their parts."""
+    for path in sorted(folder.glob("*.toml")):
+        for erratum in tomllib.loads(path.read_text(encoding="utf-8"))["erratum"]:
+            name = erratum.pop("name")
+            yield (
+                name,
+                {"file": digest(path.stem)}
+                | {
+                    key: digest(str(sorted(value.items()) if isinstance(value, dict) else value))
+                    for key, value in sorted(erratum.items())
+                },
+            )
+
+
 def fingerprint(parts: Mapping[str, str]) -> str:
     """Return the one digest of a statement's parts.
 
@@ -132,7 +175,7 @@ def _parts(
     entry: Entry, rocq: Path, types: Mapping[str, str], code: Code
 ) -> Iterator[tuple[str, str]]:
     """List the parts of a statement; evidence is named with its settings."""
-    for words in ("title", "source", "text", "difference"):
+    for words in ("chapter", "title", "source", "text", "difference"):
         yield words, digest(getattr(entry, words))
     yield "hypotheses", digest(*entry.hypotheses)
     yield "conclusion", digest(*entry.conclusion)

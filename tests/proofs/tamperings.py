@@ -294,10 +294,132 @@ def of_other_kinds() -> Iterator[Tampering]:
             yield Tampering(name, kind, edit)
 
 
+ERRATA = "rcac_experiments/dissertation/errata_files"
+POLYNOMIALS = "proofs/properties/polynomials.py"
+LOOSE = "def for_all(**options):\n    return lambda check: True\n"
+
+
+def appended(file: str, text: str) -> Edit:
+    """An edit that adds text to the end of a file, which it creates if need be."""
+
+    def edit(root):
+        path = root / file
+        before = path.read_text(encoding="utf-8") if path.exists() else ""
+        path.write_text(before + text, encoding="utf-8")
+
+    return edit
+
+
+def entry_and_signature_gone(file: str, name: str) -> Edit:
+    """An edit that takes out a statement together with its block of signatures."""
+
+    def edit(root):
+        without_block(file, f'[[entry]]\nname = "{name}"')(root)
+        path = root / "proofs/statements/signatures.txt"
+        blocks = path.read_text(encoding="utf-8").strip("\n").split("\n\n")
+        remaining = [b for b in blocks if b.splitlines()[0].partition("  ")[2] != name]
+        assert len(remaining) == len(blocks) - 1
+        path.write_text("\n\n".join(remaining) + "\n", encoding="utf-8")
+
+    return edit
+
+
+def exchanged(file: str, first: str, second: str) -> Edit:
+    """An edit that exchanges two texts of a file."""
+    return several(
+        replaced(file, first, "EXCHANGED"), replaced(file, second, first),
+        replaced(file, "EXCHANGED", second),
+    )  # fmt: skip
+
+
+def around_the_checks(root: Path) -> Iterator[Tampering]:
+    """What a later review found unseen, and its kin: imports, packages, errata, printed outcomes."""
+    imports = {
+        "an oracle imported under another's name": replaced(POLYNOMIALS, "import determinant, rank", "import determinant, determinant as rank"),
+        "two imports exchanged": replaced(POLYNOMIALS, "import sylvester_m1, sylvester_m2", "import sylvester_m2 as sylvester_m1, sylvester_m1 as sylvester_m2"),
+        "strategies of another library": replaced(POLYNOMIALS, "from hypothesis import strategies as st", "from unittest import mock as st"),
+        "Poly of another library": replaced(POLYNOMIALS, "from sympy import Poly, Symbol", "from sympy import Symbol, Symbol as Poly"),
+        "assume that rejects nothing": replaced("proofs/properties/forms.py", "from hypothesis import assume", "from builtins import bool as assume"),
+        "a loose for_all in a new file": several(
+            appended("proofs/ledger/loose.py", LOOSE),
+            replaced(POLYNOMIALS, "from ..ledger.checks import for_all", "from ..ledger.loose import for_all"),
+        ),
+        "a loose for_all beside the checks": several(
+            appended("proofs/properties/loose.py", LOOSE),
+            replaced(POLYNOMIALS, "from ..ledger.checks import for_all", "from .loose import for_all"),
+        ),
+        "a loose for_all from outside": replaced(POLYNOMIALS, "from ..ledger.checks import for_all", "from tests.loose import for_all"),
+        "zeros imported as eye": replaced("proofs/properties/directions.py", "eye, zeros", "zeros as eye, zeros"),
+        "a strategy's import": replaced("compensator_theory/strategies/polynomials.py", "from sympy import QQ, Poly, Rational, Symbol", "from sympy import QQ, Poly, Integer as Rational, Symbol"),
+        "an import below the checks": appended(POLYNOMIALS, "\nfrom sympy import eye as rank\n"),
+        "an import in a try": appended(POLYNOMIALS, "\ntry:\n    from sympy import eye as rank\nexcept ImportError:\n    pass\n"),
+    }  # fmt: skip
+    patches = {
+        "sympy's == in {}": "\nimport sympy\nsympy.MatrixBase.__eq__ = lambda a, b: True\n",
+        "sympy.expand in {}": "\nimport sympy\nsympy.expand = lambda *a, **k: sympy.S.Zero\n",
+        "a profile of Hypothesis in {}": "\nfrom hypothesis import settings\nsettings.register_profile('x', max_examples=1)\nsettings.load_profile('x')\n",
+        "setattr in {}": "\nimport sympy\nsetattr(sympy, 'expand', lambda *a: 0)\n",
+    }
+    places = ("proofs/__init__.py", "proofs/properties/__init__.py", "proofs/symbolic/__init__.py",
+              "proofs/counterexamples/__init__.py", "compensator_theory/strategies/__init__.py")  # fmt: skip
+    packages = {
+        name.format(place): appended(place, text)
+        for name, text in patches.items()
+        for place in places
+    }
+    modules = {
+        "an attribute at the end of a module": appended(POLYNOMIALS, "\nPoly.__eq__ = lambda a, b: True\n"),
+        "an attribute in an if": appended(POLYNOMIALS, "\nif True:\n    Poly.__eq__ = lambda a, b: True\n"),
+        "an attribute among others": appended(POLYNOMIALS, "\ns, Poly.__eq__ = s, lambda a, b: True\n"),
+        "an item of globals": appended(POLYNOMIALS, '\nglobals()["lemma_1"] = bool\n'),
+        "an attribute deleted": appended(POLYNOMIALS, "\ndel Poly.degree\n"),
+        "an attribute in another module of checks": appended("proofs/symbolic/duality.py", "\nimport sympy\nsympy.expand = bool\n"),
+        "a loop over attributes": appended(POLYNOMIALS, "\nfor Poly.gen in [1]:\n    pass\n"),
+        "a function called at import": appended(POLYNOMIALS, "\ndef _patch():\n    Poly.__eq__ = bool\n_patch()\n"),
+        "a decorator added": replaced(POLYNOMIALS, "def lemma_1(", "def lemma_1(  # loose\n    "),
+    }  # fmt: skip
+    errata = {
+        "what is true": replaced(f"{ERRATA}/chapter_7.toml", "it is less where KF = 0.", "it is less where K = 0."),
+        "what is printed": replaced(f"{ERRATA}/chapter_7.toml", "8.26 s + 23.25.", "8.27 s + 23.25."),
+        "the kind": replaced(f"{ERRATA}/chapter_7.toml", 'kind = "misprint"', 'kind = "inconsistent"'),
+        "the charitable reading": replaced(f"{ERRATA}/chapter_7.toml", "<= for =; the proof needs no more.", "None."),
+        "the place": replaced(f"{ERRATA}/chapter_7.toml", 'where = "Proposition 1"', 'where = "Proposition 2"'),
+        "the evidence": exchanged(f"{ERRATA}/chapter_7.toml", '"theorem_1.printed_sign"', '"theorem_1.example_7_1"'),
+        "an erratum gone": without_block(f"{ERRATA}/chapter_7.toml", '[[erratum]]\nname = "degree-in-the-proof"'),
+        "an erratum of chapter 2 gone": without_block(f"{ERRATA}/chapter_2.toml", "[[erratum]]"),
+        "an erratum in another file": several(
+            without_block(f"{ERRATA}/chapter_7.toml", '[[erratum]]\nname = "degree-in-the-proof"'),
+            appended(f"{ERRATA}/chapter_8.toml", '\n[[erratum]]\nname = "degree-in-the-proof"\nwhere = "Proposition 1"\nkind = "misprint"\nprinted = "x"\ntrue = "y"\ncharity = "z"\nevidence = {}\n'),
+        ),
+    }  # fmt: skip
+    printing = {
+        f"{name} prints another outcome": appended(f"proofs/{name}", "\n\ndef loose():\n    return True\n")
+        for name in (
+            "__main__.py", "output/printing.py", "output/page.py", "output/records.py",
+            "output/coverage.py", "output/blueprint.py", "output/rocq_pages.py",
+            "ledger/outcomes.py", "ledger/verification.py", "ledger/sign.py",
+        )
+    }  # fmt: skip
+    printing["the exit status"] = replaced(
+        "proofs/__main__.py", "sys.exit(0 if all(", "sys.exit(0 if any("
+    )
+    printing["an equation waved through"] = appended("proofs/unproved.toml", '\n[loose]\nequations = ["2.43"]\n')  # fmt: skip
+    deleted = {
+        f"{name} gone with its signatures": entry_and_signature_gone(file, name)
+        for file, name in ((CHAPTER_7, "lemma-1"), (CHAPTER_2, "regressor"), (OBSERVERS, "proposition-1"))
+    }  # fmt: skip
+    deleted["the chapter of a file"] = replaced(OBSERVERS, 'chapter = "7"', 'chapter = "8"')
+    for kind, edits in {
+        "import": imports, "package": packages, "module": modules, "erratum": errata,
+        "printing": printing, "deleted with its signature": deleted,
+    }.items():  # fmt: skip
+        for name, edit in edits.items():
+            yield Tampering(f"{kind}: {name}", kind, edit)
+
+
 HARMLESS = [
     replaced("proofs/rocq/foundations/Vocabulary.v", "(* The rank conditions of Kalman. *)", "(* Ranks. *)"),
     replaced("proofs/rocq/theorems/Intercalation.v", "Proof.\npose X :=", "Proof.\nidtac; pose X :="),
     replaced("proofs/symbolic/joint_fit.py", "before = D_f * z", "before  =  D_f * z"),
-    replaced("proofs/output/printing.py", '"""The ledger on a terminal."""', '"""On a terminal."""'),
 ]  # fmt: skip
-"""Coq says of a proof whether it is one; comments, layout and what prints the ledger claim nothing."""
+"""Coq says of a proof whether it is one; comments and layout claim nothing."""

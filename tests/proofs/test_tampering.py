@@ -12,9 +12,17 @@ from proofs.ledger.ledger import LedgerError, ledger
 from proofs.ledger.mutants import checks_of, first_caught, mutants
 from proofs.ledger.signatures import FILE, Tree
 
-from .tamperings import HARMLESS, definitions, gutted, of_other_kinds, of_the_review
+from .tamperings import (
+    ERRATA,
+    HARMLESS,
+    around_the_checks,
+    definitions,
+    gutted,
+    of_other_kinds,
+    of_the_review,
+)
 
-ALL = [*of_the_review(ROOT), *of_other_kinds()]
+ALL = [*of_the_review(ROOT), *of_other_kinds(), *around_the_checks(ROOT)]
 CHECKS = list(dict.fromkeys(check for entry in ledger() for check in checks_of(entry)))
 
 
@@ -25,7 +33,7 @@ def tree(tmp_path_factory):
     remaining = shutil.ignore_patterns(
         "*.vo*", "*.glob", ".*", "__pycache__", "CoqMakefile*", "Check.v"
     )
-    for folder in ("proofs", "compensator_theory/strategies"):
+    for folder in ("proofs", "compensator_theory/strategies", ERRATA):
         shutil.copytree(ROOT / folder, root / folder, ignore=remaining)
     return Tree(root)
 
@@ -65,6 +73,7 @@ def test_there_are_those_of_the_review_and_forty_others():
     assert kinds["properties gutted"] >= 28 and kinds["counterexamples gutted"] >= 35
     assert sum(kinds.values()) >= 109
     assert len(list(of_other_kinds())) >= 50
+    assert len(list(around_the_checks(ROOT))) >= 60
     assert len({tampering.name for tampering in ALL}) == len(ALL)
 
 
@@ -80,6 +89,9 @@ def test_a_tampering_of_every_kind_is_caught(tree, edited, in_full):
         tampering.edit(tree.root)
         if not is_caught(tree):
             unseen.append(tampering.name)
+        for path in tree.root.rglob("*"):
+            if path.is_file() and path not in texts:
+                path.unlink()
         for path, text in texts.items():
             if path.read_bytes() != text:
                 path.write_bytes(text)
