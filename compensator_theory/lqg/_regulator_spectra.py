@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import count, islice
+
 import flint
 from sympy import ImmutableMatrix, Matrix, Poly, Symbol
 
@@ -13,7 +15,11 @@ from compensator_theory.matrices._flint_matrices import (
     to_flint,
     zero_matrix,
 )
-from compensator_theory.matrices._flint_polynomials import interpolated
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    interpolated,
+    to_flint_polynomial,
+)
 from compensator_theory.matrices._linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -24,6 +30,7 @@ from compensator_theory.matrices._linear_algebra import (
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._variables import Time, require_time, variable_in
+from compensator_theory.systems._state_space import transfer_matrix_of_realisation
 
 
 @refusing
@@ -63,7 +70,7 @@ def regulator_spectrum(
     Returns
     -------
     sympy.Poly
-        Of degree 2n or less, computed from its values at 2n + 1 integers. For the estimator give
+        Of degree 2n or less. For the estimator give
         the transposes :math:`A^T, C^T, D_1^T, D_2^T`.
 
     Raises
@@ -91,6 +98,8 @@ def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
     n, l_u = b.shape
     if time == "continuous" and rank(r) == l_u:
         return _of_hamiltonian(weights, symbol)
+    if l_u**2 <= n:
+        return _of_response(weights, time, symbol)
     zero, eye = zero_matrix, identity_matrix
     discrete = time == "discrete"
     constant = _of_blocks(
@@ -116,6 +125,62 @@ def _of_hamiltonian(weights: Weights, symbol: Symbol) -> Poly:
     )
     sign = -1 if a.rows % 2 else 1
     return canonical(characteristic_polynomial(H, symbol) * (sign * determinant(r)))
+
+
+def _of_response(weights: Weights, time: Time, symbol: Symbol) -> Poly:
+    r"""Return it by the numerators of the response, so that no determinant is larger than R.
+
+    .. math:: \Phi(s) = X^T(-s) \begin{bmatrix} Q & N \\ N^T & R \end{bmatrix} X(s), \quad
+              X = \begin{bmatrix} \mathrm{adj}(sI - A)\,B \\ D(s)\,I \end{bmatrix}, \quad
+              \det\Phi(s) = p(s)\,(D(s)\,D(-s))^{m - 1}
+
+    In discrete time :math:`z^nX^T(1/z)` stands for :math:`X^T(-s)`.
+    """
+    a, b, q, r, cross = weights
+    n, m = b.shape
+    weight = _of_blocks([q, cross], [cross.T, r])
+    X, Y = (
+        transfer_matrix_of_realisation(a, b, left[:, :n], left[:, n:], symbol)
+        for left in (identity_matrix(n + m), weight)
+    )
+    numerators, weighted = (
+        [[to_flint_polynomial(entry) for entry in row] for row in G.numerators] for G in (X, Y)
+    )
+    mirrored = [[_mirrored(entry, n, time) for entry in row] for row in numerators]
+    zero = flint.fmpq_poly()
+    spectrum = [
+        [
+            sum((x[i] * y[j] for x, y in zip(mirrored, weighted, strict=True)), zero)
+            for j in range(m)
+        ]
+        for i in range(m)
+    ]
+    if m == 1:
+        return canonical(from_flint_polynomial(spectrum[0][0], symbol))
+    D = to_flint_polynomial(X.denominator)
+    return _divided_determinant(spectrum, D * _mirrored(D, n, time), n, symbol)
+
+
+def _mirrored(poly: flint.fmpq_poly, size: int, time: Time) -> flint.fmpq_poly:
+    """Return p(-s), or z^n p(1/z)."""
+    if time == "continuous":
+        return poly(flint.fmpq_poly([0, -1]))
+    ascending = poly.coeffs()
+    return flint.fmpq_poly([0] * (size + 1 - len(ascending)) + ascending[::-1])
+
+
+def _divided_determinant(
+    matrix: list[list[flint.fmpq_poly]], divisor: flint.fmpq_poly, n: int, variable: Symbol
+) -> Poly:
+    """Return det M/d^(m-1), of degree 2n at most, from 2n + 1 integers that are no root of d."""
+    integers = (flint.fmpq(k // 2 if k % 2 else -(k // 2)) for k in count(1))
+    points = list(islice((x for x in integers if divisor(x) != 0), 2 * n + 1))
+    values = [
+        flint.fmpq_mat([[entry(x) for entry in row] for row in matrix]).det()
+        / divisor(x) ** (len(matrix) - 1)
+        for x in points
+    ]
+    return canonical(from_flint_polynomial(flint.fmpq_poly(interpolated(points, values)), variable))
 
 
 def _of_blocks(*rows: list[Matrix]) -> ImmutableMatrix:

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import TypeAlias
 
 import flint
+
+from compensator_theory.polynomials._ball_precision import ball_precision
+
+Interval: TypeAlias = tuple[flint.fmpq, flint.fmpq]
 
 STEPS = 4
 """Bisections per degree after which roots count as too close for bisection."""
@@ -33,12 +38,61 @@ def distinct_real_roots(poly: flint.fmpz_poly) -> int | None:
 
 def distinct_positive_roots(poly: flint.fmpz_poly) -> int | None:
     """Count the positive roots of a square-free polynomial; None where bisection takes too long."""
+    intervals = positive_root_intervals(poly)
+    return None if intervals is None else len(intervals)
+
+
+def positive_root_intervals(poly: flint.fmpz_poly) -> list[Interval] | None:
+    """Return an open interval for each positive root, or the root itself as both ends, ascending.
+
+    The polynomial is square-free; None where bisection takes too long.
+    """
     coefficients = poly.coeffs()
     variations = _variations(coefficients)
-    if variations < 2:
-        return variations
+    if not variations:
+        return []
     exponent = _bound(coefficients)
-    return _roots_in_unit_interval(_stretched(poly, exponent))
+    top = flint.fmpq(2) ** exponent
+    if variations == 1:
+        return [(flint.fmpq(0), top)]
+    octaves = exponent + _bound(coefficients[::-1])  # between the bounds of largest and least
+    intervals = _unit_intervals(_stretched(poly, exponent), 2 * octaves)
+    return None if intervals is None else [(top * a, top * b) for a, b in intervals]
+
+
+def real_root_balls(
+    poly: flint.fmpz_poly, precision: int, *, positive: bool = False
+) -> list[flint.arb] | None:
+    """Return balls of relative radius 2**-precision around the real roots, ascending.
+
+    With `positive` around the positive ones. The polynomial is square-free and not 0 at 0; None
+    where bisection takes too long. No complex root is isolated.
+    """
+    mirrored = flint.fmpz_poly([-c if k % 2 else c for k, c in enumerate(poly.coeffs())])
+    right = positive_root_intervals(poly)
+    left = [] if positive else positive_root_intervals(mirrored)
+    if right is None or left is None:
+        return None
+    with ball_precision(precision + 8):
+        above = [_narrowed(poly, interval, precision) for interval in right]
+        below = [-_narrowed(mirrored, interval, precision) for interval in left]
+    return below[::-1] + above
+
+
+def _narrowed(poly: flint.fmpz_poly, interval: Interval, precision: int) -> flint.arb:
+    """Bisect an interval in which a polynomial changes its sign once."""
+    lower, upper = interval
+    rises = (poly(lower) or poly.derivative()(lower)) < 0
+    while lower != upper and (upper - lower) * 2**precision > lower:
+        middle = (lower + upper) / 2
+        value = poly(middle)
+        if value == 0:
+            lower = upper = middle
+        elif (value < 0) == rises:
+            lower = middle
+        else:
+            upper = middle
+    return flint.arb((lower + upper) / 2, (upper - lower) / 2)
 
 
 def _bound(coefficients: list[flint.fmpz]) -> int:
@@ -59,22 +113,23 @@ def _stretched(poly: flint.fmpz_poly, exponent: int) -> flint.fmpz_poly:
     return flint.fmpz_poly([c << n for c, n in zip(poly.coeffs(), shifts, strict=True)])
 
 
-def _roots_in_unit_interval(poly: flint.fmpz_poly) -> int | None:
-    intervals, waiting = 0, [poly]
-    for _ in range(STEPS * poly.degree() + 40):
+def _unit_intervals(poly: flint.fmpz_poly, more: int) -> list[Interval] | None:
+    intervals, waiting = [], [(poly, flint.fmpq(0), flint.fmpq(1))]
+    for _ in range(STEPS * poly.degree() + 40 + more):
         if not waiting:
-            return intervals
-        poly = waiting.pop()
+            return sorted(intervals)
+        poly, start, width = waiting.pop()
         variations = _variations(flint.fmpz_poly(poly.coeffs()[::-1])(_ONE_MORE).coeffs())
         if variations < 2:
-            intervals += variations
+            intervals += [(start, start + width)] * variations
             continue
-        lower = _stretched(poly, -1)
+        lower, middle = _stretched(poly, -1), start + width / 2
         upper = lower(_ONE_MORE)
-        if upper[0] == 0:  # the midpoint itself
-            intervals, upper = intervals + 1, flint.fmpz_poly(upper.coeffs()[1:])
-        waiting += [lower, upper]
-    return None if waiting else intervals
+        if upper[0] == 0:
+            intervals.append((middle, middle))
+            upper = flint.fmpz_poly(upper.coeffs()[1:])
+        waiting += [(lower, start, width / 2), (upper, middle, width / 2)]
+    return None if waiting else sorted(intervals)
 
 
 def _variations(coefficients: list[flint.fmpz]) -> int:

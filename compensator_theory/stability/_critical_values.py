@@ -17,7 +17,8 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 from compensator_theory.polynomials._ball_precision import at_growing_precision
 from compensator_theory.polynomials._multivariate import to_flint
-from compensator_theory.roots._certified import decided_balls
+from compensator_theory.roots._certified import EASY, decided_balls
+from compensator_theory.roots._descartes import real_root_balls
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.stability._half_plane import half_plane_polynomial
 
@@ -102,6 +103,20 @@ def even_and_odd(poly: Poly) -> tuple[Poly, Poly]:
     ascending = list(reversed(poly.all_coeffs()))
     even, odd = (Poly(list(reversed(ascending[k::2])) or [0], poly.gen) for k in (0, 1))
     return even, odd
+
+
+def positive_roots(poly: Poly) -> list[Enclosure]:
+    """Return disjoint enclosures of the distinct positive roots of a rational polynomial."""
+    factors = {factor.monic() for factor, _ in poly.factor_list()[1]}
+
+    def attempt(bits: int) -> list[Enclosure] | None:
+        real = [r for f in factors for r in _enclosures_of_roots(f, bits, positive=True)]
+        roots = sorted((r for r in real if r.upper > 0), key=lambda root: root.lower)
+        ends = [sympy.Integer(0), *(root.upper for root in roots)]
+        apart = all(end < root.lower for end, root in zip(ends, roots, strict=False))
+        return roots if apart else None
+
+    return at_growing_precision(attempt, 64, "the order of positive roots")
 
 
 def real_roots(polys: list[Poly]) -> list[CriticalValue]:
@@ -199,8 +214,14 @@ def _roots_of_factor(factor: Poly, precision: int) -> list[CriticalValue]:
     return [CriticalValue(value, place) for value, place in zip(values, places, strict=True)]
 
 
-def _enclosures_of_roots(factor: Poly, precision: int) -> list[Enclosure]:
-    """Return the enclosures of the real roots, ascending."""
+def _enclosures_of_roots(
+    factor: Poly, precision: int, *, positive: bool = False
+) -> list[Enclosure]:
+    """Return the enclosures of the real roots, ascending; of the positive ones at least."""
+    if factor.degree() > EASY:  # it has many more complex roots
+        real = real_root_balls(to_flint_polynomial(factor).numer(), precision, positive=positive)
+        if real is not None:
+            return [enclosure_of_ball(ball) for ball in real]
     decided = decided_balls(factor, lambda ball: bool(ball.imag == 0), precision)
     roots = [enclosure_of_ball(ball.real) for ball, _, is_real in decided if is_real]
     return sorted(roots, key=lambda enclosure: enclosure.lower)

@@ -18,7 +18,7 @@ from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import RootCount
-from compensator_theory.stability._critical_values import number_between, real_roots
+from compensator_theory.stability._critical_values import number_between, positive_roots
 from compensator_theory.stability._half_plane_matrices import (
     HalfPlaneMatrix,
     gram_of,
@@ -214,8 +214,8 @@ def _negative(poly: Poly) -> sympy.Rational | None:
     """
     if poly.is_zero or poly.degree() == 0:
         return sympy.Integer(0) if poly.LC() < 0 else None
-    roots = [root.enclosure for root in real_roots([poly]) if root.enclosure.upper >= 0]
-    ends = [sympy.Integer(0), *(max(root.upper, sympy.Integer(0)) for root in roots)]
+    roots = positive_roots(poly)
+    ends = [sympy.Integer(0), *(root.upper for root in roots)]
     after = [*(root.lower for root in roots), ends[-1] + 2]
     for lower, upper in zip(ends, after, strict=True):
         if lower < upper and poly.eval(at := number_between(lower, upper)) < 0:

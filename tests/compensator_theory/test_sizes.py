@@ -5,9 +5,12 @@ import random
 import flint
 import pytest
 import sympy
+from hypothesis import given
+from hypothesis import strategies as st
 
 from compensator_theory import (
     budget,
+    decide_bounded_real,
     h_infinity_norm,
     kalman_decomposition,
     observer_based_compensator,
@@ -19,6 +22,7 @@ from compensator_theory.errors import BudgetError
 from compensator_theory.forms import jordan_form
 from compensator_theory.matrices._echelon import echelon, pivot_columns
 from compensator_theory.matrices._linear_algebra import rank
+from compensator_theory.roots._descartes import real_root_balls
 from compensator_theory.roots._unit_circle import _has_root_on_circle
 from tests.support.work import at_most
 
@@ -118,3 +122,55 @@ def test_a_compensator_with_symbols_is_refused_before_its_adjugate():
     assert found.certificate.holds
     with at_most(2_000_000), pytest.raises(BudgetError, match="denominators of symbols"):
         str(found)
+
+
+@given(
+    st.lists(st.fractions(-8, 8, max_denominator=4).filter(bool), max_size=5, unique=True),
+    st.lists(st.tuples(st.integers(-4, 4), st.integers(1, 4)), max_size=2, unique=True),
+)
+def test_real_roots_are_isolated_without_the_complex_ones(real, pairs):
+    poly = flint.fmpz_poly([1])
+    for root in real:
+        poly *= flint.fmpz_poly([-root.numerator, root.denominator])
+    for centre, distance in pairs:
+        poly *= flint.fmpz_poly([centre**2 + distance**2, -2 * centre, 1])
+    balls = real_root_balls(poly, 64)
+    assert balls is not None
+    assert len(balls) == len(real)
+    for ball, root in zip(balls, sorted(real), strict=True):
+        assert (ball * root.denominator - root.numerator).contains(0)
+        assert ball.rad() * 2**63 <= abs(ball.mid())
+    positive = real_root_balls(poly, 64, positive=True)
+    assert positive is not None
+    assert len(positive) == sum(root > 0 for root in real)
+
+
+def test_bounded_realness_isolates_no_complex_root(monkeypatch):
+    s, below = sympy.Symbol("s"), sympy.Poly(1, sympy.Symbol("s"))
+    for k in range(30):
+        below *= sympy.Poly(s + 1 + sympy.Rational(k, 7), s)
+    above = sympy.Poly(_matrix(1, 30).tolist()[0], s)
+    monkeypatch.setattr("compensator_theory.stability._critical_values.decided_balls", None)
+    size = below.eval(0) / above.eval(0)  # the norm is at least |G(0)|
+    assert not decide_bounded_real((above * (2 * size), below)).holds
+    assert decide_bounded_real((below * sympy.Rational(1, 2), below)).holds
+
+
+@pytest.mark.parametrize("time", ["continuous", "discrete"])
+@pytest.mark.parametrize("inputs", [1, 2])
+def test_a_spectrum_of_few_inputs_is_that_of_the_response(time, inputs):
+    """p at a point is det(X(mirror)' [Q N; N' R] X), from linear equations with numbers."""
+    n, s = 5, sympy.Symbol("s" if time == "continuous" else "q")
+    A, B, N = _matrix(n, n), _matrix(n, inputs, 2), _matrix(n, inputs, 3)
+    Q, R = A + A.T, sympy.zeros(inputs, inputs)
+    with at_most(60_000):
+        spectrum = regulator_spectrum(A, B, Q, R, N, time=time, variable=s)
+    whole = sympy.Matrix(sympy.BlockMatrix([[Q, N], [N.T, R]]))
+    for point in (sympy.Rational(1, 2), 3, -2):
+        mirror = -point if time == "continuous" else 1 / sympy.Rational(point)
+        X, Y = (
+            ((x * sympy.eye(n) - A).LUsolve(B)).col_join(sympy.eye(inputs)) for x in (point, mirror)
+        )
+        bottoms = sympy.prod((x * sympy.eye(n) - A).det() for x in (point, mirror))
+        factor = 1 if time == "continuous" else sympy.Rational(point) ** n
+        assert spectrum.eval(point) == factor * bottoms * (Y.T * whole * X).det()
