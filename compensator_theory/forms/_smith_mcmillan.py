@@ -15,9 +15,10 @@ from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
+from compensator_theory.matrices._rings import in_lowest_terms, resultant_of_monic
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._poly import canonical, in_lowest_terms
+from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._certified import Root, certified_roots
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -144,7 +145,7 @@ def smith_mcmillan_form(
         top, below = in_lowest_terms(invariant, bottom)
         numerators.append(top)
         denominators.append(below)
-        divisors.append(sympy.sympify(numerators[-1].resultant(denominators[-1])))
+        divisors.append(resultant_of_monic(top, below))
     at_infinity, more = _at_infinity(source, smith.rank) if smith.rank else ((), [])
     return SmithMcMillanForm(
         tuple(numerators),

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
 import flint
-from sympy import Poly, Symbol
+from sympy import Expr, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 
 from compensator_theory.matrices._rational_functions import in_symbols
@@ -67,6 +67,7 @@ class FunctionRing:
         names = [f"x{i}" for i in range(1 + len(self.work.symbols))]
         self.joint = flint.fmpz_mpoly_ctx.get(names, flint.Ordering.lex)
         self.moves = {f"x{i}": f"x{i + 1}" for i in range(len(self.work.symbols))}
+        self.back = {after: before for before, after in self.moves.items()}
 
     @staticmethod
     def serves(field: Domain) -> bool:
@@ -206,6 +207,21 @@ class FunctionRing:
             Element(self, [c * q.below for c in Y], r),
         )
         return x, y, Element(self, A, p.below), Element(self, B, q.below)
+
+    def lowest_terms(self, p: Element, q: Element) -> tuple[Element, Element]:
+        """Return p and q monic and without common factors."""
+        P, Q = self._joined(p), self._joined(q)
+        common = P.gcd(Q)
+        sides = (self._coefficients(side / common) for side in (P, Q))
+        top, bottom = (Element(self, side, side[-1]) for side in sides)
+        return top, bottom
+
+    def resultant(self, p: Element, q: Element) -> Expr:
+        """Return the resultant of the monic multiples of p and q."""
+        P, Q = self._joined(p), self._joined(q)
+        value = P.resultant(Q, "x0").project_to_context(self.work.context, self.back)
+        leading = p.above[-1] ** self.degree(q) * q.above[-1] ** self.degree(p)
+        return self.work.write(value, leading)
 
     def _joined(self, element: Element) -> _Mpoly:
         """Return the numerator as one polynomial in the variable and the symbols."""

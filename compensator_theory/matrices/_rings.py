@@ -7,7 +7,7 @@ from functools import reduce
 from typing import Any, TypeAlias
 
 import flint
-from sympy import Poly, Symbol
+from sympy import Expr, Poly, Symbol, sympify
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
@@ -18,7 +18,7 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 from compensator_theory.matrices._function_rings import FunctionRing
 from compensator_theory.polynomials._budget import ask, decimal_digits
-from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._poly import canonical, monic
 
 Element: TypeAlias = Any
 """A polynomial of python-flint (rational coefficients) or of a ring of SymPy; both compute."""
@@ -164,3 +164,23 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
 def identity(ring: Ring, size: int) -> Grid:
     """Return the identity matrix."""
     return [[ring.one if i == j else ring.zero for j in range(size)] for i in range(size)]
+
+
+def in_lowest_terms(top: Poly, bottom: Poly) -> tuple[Poly, Poly]:
+    """Return numerator and denominator monic and without common factors; neither is zero."""
+    ring = ring_of([top, bottom])
+    p, q = ring.read(top), ring.read(bottom)
+    if isinstance(ring, FunctionRing):
+        sides = ring.lowest_terms(p, q)
+        return ring.write(sides[0]), ring.write(sides[1])
+    common = p.gcd(q)
+    p, q = (ring.divide(side, common)[0] for side in (p, q))
+    return monic(ring.write(p)), monic(ring.write(q))
+
+
+def resultant_of_monic(a: Poly, b: Poly) -> Expr:
+    """Return the resultant of two monic polynomials."""
+    ring = ring_of([a, b])
+    if isinstance(ring, FunctionRing):
+        return ring.resultant(ring.read(a), ring.read(b))
+    return sympify(a.resultant(b))

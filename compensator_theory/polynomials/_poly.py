@@ -285,12 +285,3 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
     result = Poly({(k,): settled(c) for k, c in powers.items()}, variable, domain=EX)
     require_real(result)  # as canonical does: the echo may come by the other way
     return result
-
-
-def in_lowest_terms(top: Poly, bottom: Poly) -> tuple[Poly, Poly]:
-    """Return monic numerator and denominator without common factors."""
-    top, bottom = top.unify(bottom)
-    field = top.domain.get_field()
-    top, bottom = top.set_domain(field), bottom.set_domain(field)
-    common = top.gcd(bottom)
-    return monic(canonical(top.exquo(common))), monic(canonical(bottom.exquo(common)))

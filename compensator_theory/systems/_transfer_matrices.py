@@ -19,6 +19,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._diagonalisation import invariant_polynomials
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices._rings import in_lowest_terms
 from compensator_theory.polynomials._budget import ask, is_integer
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike
@@ -26,7 +27,6 @@ from compensator_theory.polynomials._poly import (
     common_divisor,
     exact_quotient,
     from_expression,
-    in_lowest_terms,
     product,
     total,
 )
