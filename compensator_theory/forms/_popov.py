@@ -75,11 +75,11 @@ def _pivot(work: Elimination, i: int) -> int | None:
 def _weak(work: Elimination) -> dict[int, int]:
     """Subtract rows until all pivots stand in different columns; return them by row."""
     ring = work.ring
+    pivots = [_pivot(work, i) for i in range(work.rows)]
     while True:
         places: dict[int, int] = {}
         clash = None
-        for i in range(work.rows):
-            column = _pivot(work, i)
+        for i, column in enumerate(pivots):
             if column is None:
                 continue
             if column in places:
@@ -95,6 +95,7 @@ def _weak(work: Elimination) -> dict[int, int]:
         leading = ring.coefficient(top, ring.degree(top)) * ring.reciprocal_of_leading(below)
         shift = ring.power(ring.degree(top) - ring.degree(below))
         work.add_row(target, source, -leading * shift)
+        pivots[target] = _pivot(work, target)
 
 
 def _permute(work: Elimination, order: list[int]) -> None:

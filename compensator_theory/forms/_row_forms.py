@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import flint
 from sympy import Symbol
 
 from compensator_theory.forms._equivalence import Equivalence, elimination_of, equivalence_of
@@ -11,7 +12,7 @@ from compensator_theory.forms._polynomial_matrices import PolynomialMatrixLike, 
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
-from compensator_theory.matrices._rings import Element, Grid, Ring
+from compensator_theory.matrices._rings import Element, Grid, RationalRing, Ring
 from compensator_theory.polynomials._carrying import carrying
 
 
@@ -123,9 +124,24 @@ def _relation(ring: Ring, grid: Grid) -> dict[int, Element] | None:
     leading = [[ring.coefficient(e, _row_degree(ring, grid[i])) for e in grid[i]] for i in rows]
     if not rows:
         return None
+    if isinstance(ring, RationalRing):
+        return _rational_relation(rows, leading)
     work = Elimination(ring, leading)
     rank = work.triangulate()
     if rank == len(rows):
         return None
     terms = zip(rows, work.U[rank], strict=True)
     return {i: factor for i, factor in terms if ring.degree(factor) >= 0}
+
+
+def _rational_relation(rows: list[int], leading: Grid) -> dict[int, Element] | None:
+    """Express the first row that depends on those before it by them."""
+    width = len(leading[0])
+    coefficients = flint.fmpq_mat(len(rows), width, [e[0] for row in leading for e in row])
+    reduced, rank = coefficients.transpose().rref()
+    if rank == len(rows):
+        return None
+    pivots = [next(j for j in range(len(rows)) if reduced[i, j]) for i in range(rank)]
+    first = next(j for j in range(len(rows)) if j not in pivots)
+    factors = {j: -reduced[i, first] for i, j in enumerate(pivots) if j < first} | {first: 1}
+    return {rows[j]: flint.fmpq_poly([c]) for j, c in factors.items() if c}

@@ -11,6 +11,9 @@ from compensator_theory.matrices._rings import (
 )
 from compensator_theory.polynomials._budget import ask
 
+LEAST = 200
+"""Digits in whose time the shortest entry is multiplied and added."""
+
 
 class Elimination:
     """A polynomial matrix under row and column operations, U M V = current, all of them kept.
@@ -24,7 +27,7 @@ class Elimination:
     U, V, U_inverse, V_inverse : list of lists
         Products of the operations so far, and of their inverses.
     effort : int
-        How many digits the divisions so far worked on; of 2 10^8 in about 2 s.
+        How many digits the steps so far worked on; of 2 10^8 in about 2 s.
     """
 
     def __init__(self, ring: Ring, matrix: Grid) -> None:
@@ -44,6 +47,7 @@ class Elimination:
 
     def add_row(self, target: int, source: int, factor: Element) -> None:
         """Add a multiple of one row to another."""
+        self._count(factor, factor)
         for grid in (self.matrix, self.U):
             grid[target] = [x + factor * y for x, y in zip(grid[target], grid[source], strict=True)]
         for row in self.U_inverse:
@@ -66,6 +70,7 @@ class Elimination:
 
     def add_column(self, target: int, source: int, factor: Element) -> None:
         """Add a multiple of one column to another."""
+        self._count(factor, factor)
         for grid in (self.matrix, self.V):
             for row in grid:
                 row[target] += factor * row[source]
@@ -110,18 +115,18 @@ class Elimination:
     def reduce_row(self, target: int, source: int, column: int) -> None:
         """Subtract a multiple of a row, so that a remainder is left in a column."""
         a, b = self.matrix[target][column], self.matrix[source][column]
-        self._ask(a, b)
+        self._count(a, b)
         self.add_row(target, source, -self.ring.divide(a, b)[0])
 
     def reduce_column(self, target: int, source: int, row: int) -> None:
         """Subtract a multiple of a column, so that a remainder is left in a row."""
         a, b = self.matrix[row][target], self.matrix[row][source]
-        self._ask(a, b)
+        self._count(a, b)
         self.add_column(target, source, -self.ring.divide(a, b)[0])
 
-    def _ask(self, a: Element, b: Element) -> None:
+    def _count(self, a: Element, b: Element) -> None:
         """Check the budget for the digits of one step: their growth cannot be predicted."""
-        self.effort += (self.rows + self.columns) * self.ring.effort(a, b)
+        self.effort += (self.rows + self.columns) * max(LEAST, self.ring.effort(a, b))
         ask("entries", self.effort // 400, "the elimination, 400 digits as an entry,")
 
     def combine_rows(self, i: int, j: int, step: Grid, inverse: Grid) -> None:

@@ -19,7 +19,12 @@ from compensator_theory import (
     transfer_function,
 )
 from compensator_theory.errors import BudgetError
-from compensator_theory.forms import jordan_form
+from compensator_theory.forms import (
+    jordan_form,
+    popov_form,
+    row_reduced_form,
+    smith_mcmillan_form,
+)
 from compensator_theory.matrices._echelon import echelon, pivot_columns
 from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.roots._descartes import real_root_balls
@@ -174,3 +179,24 @@ def test_a_spectrum_of_few_inputs_is_that_of_the_response(time, inputs):
         bottoms = sympy.prod((x * sympy.eye(n) - A).det() for x in (point, mirror))
         factor = 1 if time == "continuous" else sympy.Rational(point) ** n
         assert spectrum.eval(point) == factor * bottoms * (Y.T * whole * X).det()
+
+
+@pytest.mark.parametrize("form", [popov_form, row_reduced_form])
+def test_each_step_of_an_elimination_counts_for_the_budget(form):
+    s, draw = sympy.Symbol("s"), random.Random(1)
+    matrix = [[s**2 + draw.randint(-9, 9) * s for _ in range(12)] for _ in range(12)]
+    assert form(matrix).certificate.holds
+    with budget(entries=200), pytest.raises(BudgetError, match="the elimination"):
+        form(matrix)
+
+
+def test_a_smith_mcmillan_form_with_four_symbols_is_made_of_short_steps():
+    a, b, c, d, s = sympy.symbols("a b c d s")
+    below = s**4 + a * s**3 + b * s**2 + c * s + d
+    above = [s**3 + a * s + 1, s**3 + b, s**2 + c * s + 2, s**3 + d * s**2 + 3]
+    with at_most(6_000_000):  # SymPy's remainders over fractions took more than 60 s
+        form = smith_mcmillan_form([[above[0] / below, above[1] / below],
+                                    [above[2] / below, above[3] / below]])  # fmt: skip
+    assert form.mcmillan_degree == 8
+    det = sympy.expand(above[0] * above[3] - above[1] * above[2])
+    assert sympy.rem(det, form.zero_polynomial.as_expr(), s) == 0
