@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import flint
 import sympy
-from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
+from sympy import Expr, ImmutableMatrix, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
@@ -434,25 +434,34 @@ def _formula(solution: RiccatiSolution) -> GainFormula | None:
     size = fresh(used_names, "c")
     names = tuple(fresh(used_names, f"c{k}") for k in range(n))
     monic = (*names, sympy.Integer(1))
-    K = sympy.zeros(1, n)
-    for c in monic:
-        K -= from_flint(row) * c
+    gain = []  # of each c, and of the leading 1: K is linear in them
+    for _ in monic:
+        gain.append([-e for e in row.entries()])
         row = row * A
+    by_constant = flint.fmpq_mat(gain)
+    K = [sympy.Add(*(rational(c) * x for c, x in zip(column, monic, strict=True)))
+         for column in by_constant.transpose().tolist()]  # fmt: skip
     p, v, left = A.charpoly().coeffs(), B, []
     for power in range(n - 1, -1, -1):
-        moved = (K * from_flint(v))[0]
-        left.append(sympy.expand(rational(p[power]) - moved - names[power]))
+        moved = (by_constant * v).entries()
+        moved[n] -= p[power]
+        moved[power] += 1
+        left.append(moved)
         v = A * v + B * p[power]
     identity = "det(sI - A) - K adj(sI - A) B = s^n + c_(n-1) s^(n-1) + ... + c_0"
-    certificate = certificate_of(identity, [left], "formula")
+    certificate = certificate_of(identity, [from_flint(flint.fmpq_mat(left))], "formula")
     values = factor.enclosure.coefficients[:0:-1]
     if factor.time == "continuous":
-        s = Poly(1, factor.spectrum.gen).gen
-        chi = Poly(monic[::-1], s)
-        product = chi * chi.compose(Poly(-s, s)) * sympy.sympify(factor.constant.centre)
-        difference = (product - factor.spectrum.as_expr()).all_coeffs()[::-1]
-        relations = [sympy.expand(c) for c in difference[::2] if c != 0]
-        return GainFormula(names, values, ImmutableMatrix(K), tuple(relations), certificate)
+        constant = sympy.sympify(factor.constant.centre)
+        relations = [
+            sympy.Add(*(
+                constant * (-1) ** i * (1 if i == j else 2) * monic[i] * monic[j]
+                for i in range(max(0, 2 * k - n), k + 1)
+                for j in [2 * k - i]
+            ), -factor.spectrum.coeff_monomial(factor.spectrum.gen ** (2 * k)))
+            for k in range(n)
+        ]  # fmt: skip
+        return GainFormula(names, values, ImmutableMatrix([K]), tuple(relations), certificate)
     half = factor.half
     relations = []
     for shift in range(n + 1):
@@ -462,7 +471,7 @@ def _formula(solution: RiccatiSolution) -> GainFormula | None:
     return GainFormula(
         (*names, size),
         (*values, factor.constant),
-        ImmutableMatrix(K),
+        ImmutableMatrix([K]),
         tuple(relations),
         certificate,
     )
