@@ -11,7 +11,7 @@ from compensator_theory.matrices._echelon import echelon
 from compensator_theory.polynomials._budget import ask, integer
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of, holds_where_defined
-from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._poly import canonical, common_divisor
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems._transfer_functions import TransferFunction
 from compensator_theory.systems._transfer_matrices import TransferMatrix
@@ -138,9 +138,7 @@ def _bottoms(poly: Poly) -> list[Expr]:
 
 def block_rows(G: TransferMatrix) -> int:
     """Return the number of block rows that suffices: the degree of the reduced denominator."""
-    common = G.denominator
-    for entry in (entry for row in G.numerators for entry in row):
-        common = common.gcd(entry)
+    common = common_divisor(G.denominator, *(entry for row in G.numerators for entry in row))
     return int(G.denominator.degree() - common.degree())
 
 

@@ -19,7 +19,6 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
-from compensator_theory.matrices._linear_algebra import solve
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
@@ -70,16 +69,16 @@ def minimal_realisation(
 ) -> MinimalRealisation:
     r"""Realise a proper transfer matrix, or reduce a realisation, with the least number of states.
 
-    .. math:: A = \mathcal H^{\uparrow}_{IJ} \mathcal H_{IJ}^{-1}, \qquad
-              B = \mathcal H_{I1}, \qquad C = \mathcal H_{1J} \mathcal H_{IJ}^{-1}
+    .. math:: \mathcal H^{\uparrow}_I = A\,\mathcal H_I, \qquad B = \mathcal H_{I1}, \qquad
+              \mathcal H_1 = C\,\mathcal H_I
 
     Parameters
     ----------
     G : transfer matrix or realisation
         Anything :func:`transfer_matrix` or :func:`realisation` reads; a tuple of three or four
         matrices is (A, B, C, D). A realisation is reduced by Kalman's decomposition; from a
-        transfer matrix the first independent rows I and columns J of its block Hankel matrix are
-        taken (Ho and Kalman), for one signal each a companion form.
+        transfer matrix the first independent rows I of its block Hankel matrix are taken (Ho and
+        Kalman), for one signal each a companion form.
     variable : str or Symbol, optional
         As for the readers.
 
@@ -115,18 +114,14 @@ def minimal_realisation(
         *source.shape,
         [markov_parameters(proper_entry(source, i, j), 1)[0] for i, j in places(source)],
     )
-    whole = hankel_matrix(source, size, size + 1) if size else zero_matrix(0, 0)
+    whole = hankel_matrix(source, size + 1, size) if size else zero_matrix(0, 0)
     outputs, inputs = source.shape
-    first = whole[:, : size * inputs]
-    rows = echelon(first.T)
-    columns = echelon(first[list(rows.pivots), :]) if rows.pivots else rows
-    chosen = first[list(rows.pivots), :]
-    square = chosen[:, list(columns.pivots)]
-    shifted = whole[list(rows.pivots), [c + inputs for c in columns.pivots]]
-    # x = the outputs I of the free motion: their rows of the Hankel matrix are the basis.
-    A = solve(square.T, shifted.T).T if rows.pivots else square
-    B = chosen[:, :inputs]
-    C = solve(square.T, first[:outputs, list(columns.pivots)].T).T if rows.pivots else None
+    # x = the outputs I of the free motion: their rows of the Hankel matrix are the basis, of which
+    # every row is a combination, those that are a step later included.
+    rows = echelon(whole.T)
+    combinations = rows.matrix.T
+    A, C = combinations[[i + outputs for i in rows.pivots], :], combinations[:outputs, :]
+    B = whole[list(rows.pivots), :inputs]
     n = len(rows.pivots)
     system = Realisation(
         A if n else zero_matrix(0, 0),
@@ -136,7 +131,7 @@ def minimal_realisation(
         source.variable,
         sample_time=source.sample_time,
     )
-    return _checked(system, source, exceptional_factors([rows.divided_by, columns.divided_by]))
+    return _checked(system, source, exceptional_factors([rows.divided_by]))
 
 
 def _checked(

@@ -34,7 +34,10 @@ from compensator_theory.systems._canonical_forms import RealisationLike, timed_r
 from compensator_theory.systems._descriptions import has_states
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike
 from compensator_theory.systems._realisations import Realisation
-from compensator_theory.systems._state_space import transfer_matrix_of_realisation
+from compensator_theory.systems._state_space import (
+    require_few_terms,
+    transfer_matrix_of_realisation,
+)
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
@@ -157,6 +160,7 @@ def doubly_coprime_fractions(
     right = in_lowest_terms(A + B * K)
     left = in_lowest_terms(A - F * C)
     for closed, name in ((right, "regulator"), (left, "observer")):
+        require_few_terms(closed, 8)
         require_stable(closed, s, name)
     eye_m, eye_p = identity_matrix(m), identity_matrix(p)
     first = transfer_matrix_of_realisation(

@@ -119,7 +119,7 @@ def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) 
     a, b, c, d = map(symbolic_matrix, (A, B, C, D))
     if a is None or b is None or c is None or d is None:
         return None
-    _ask(a)
+    require_few_terms(a)
     denominator = characteristic_polynomial(a, variable)
     descending = denominator.all_coeffs()
     coefficients, v = [d], b
@@ -143,8 +143,11 @@ def _polynomials(
     )
 
 
-def _ask(A: ImmutableMatrix) -> None:
-    """Ask for the terms of adj(sI - A) over the powers of a denominator with symbols."""
+def require_few_terms(A: ImmutableMatrix, matrices: int = 1) -> None:
+    """Ask for the terms of adj(sI - A) over the powers of a denominator with symbols.
+
+    `matrices` says of how many transfer matrices and products.
+    """
     if not isinstance(A, SymbolicMatrix) or A.flint_form.below.is_constant():
         return
     polynomials = [A.flint_form.below, *(x for x in A.flint_form.flat if not x.is_zero())]
@@ -154,7 +157,11 @@ def _ask(A: ImmutableMatrix) -> None:
     longest = max(map(len, polynomials))  # whose n-th power has no more terms than a sum's
     dense = min(comb(degree + symbols, symbols), prod(n * int(d) + 1 for d in separate))
     terms = min(dense, comb(longest + n - 1, n))
-    ask("entries", n**3 * terms, "a transfer matrix with denominators of symbols, term by term,")
+    ask(
+        "entries",
+        matrices * n**3 * terms,
+        "a transfer matrix with denominators of symbols, term by term,",
+    )
 
 
 def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Verified:

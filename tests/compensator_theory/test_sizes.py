@@ -11,10 +11,13 @@ from hypothesis import strategies as st
 from compensator_theory import (
     budget,
     decide_bounded_real,
+    descriptor_realisation,
+    doubly_coprime_fractions,
     h_infinity_norm,
     kalman_decomposition,
     observer_based_compensator,
     regulator_spectrum,
+    solve_riccati,
     state_feedback_family,
     transfer_function,
 )
@@ -200,3 +203,30 @@ def test_a_smith_mcmillan_form_with_four_symbols_is_made_of_short_steps():
     assert form.mcmillan_degree == 8
     det = sympy.expand(above[0] * above[3] - above[1] * above[2])
     assert sympy.rem(det, form.zero_polynomial.as_expr(), s) == 0
+
+
+def test_doubly_coprime_fractions_with_symbols_are_refused_before_they_are_made():
+    names = sympy.symbols("a b c")
+    plant = (_matrix(4, 4) + sympy.diag(*names, 0), _matrix(4, 1, 2), _matrix(1, 4, 3))
+    with at_most(2_000_000), pytest.raises(BudgetError, match="denominators of symbols"):
+        doubly_coprime_fractions(plant, [-1, -2, -3, -4], [-5, -6, -7, -8], variable="s")
+
+
+def test_a_realisation_with_symbols_takes_one_elimination():
+    a, b, s = sympy.symbols("a b s")
+    below = (s + a) * (s + b) * (s + 1)
+    G = [[(s + 1) / below, (s + 2) / below], [a / below, (s**4 + b) / below]]
+    with at_most(700_000):
+        system = descriptor_realisation(G)
+    back = system.transfer_matrix().as_matrix() - sympy.Matrix(G)
+    assert sympy.simplify(back).is_zero_matrix
+
+
+def test_the_formula_of_a_gain_is_made_of_rational_rows():
+    n = 12
+    with at_most(1_500_000):
+        formula = solve_riccati(
+            _matrix(n, n), _matrix(n, 1, 2), sympy.eye(n), [[1]], time="continuous"
+        ).formula
+    assert formula.certificate.holds
+    assert len(formula.relations) == n
