@@ -1,11 +1,13 @@
-"""How the time of every public function of the exact half grows, and where a cliff is.
+"""How the time of every public function grows, and where a cliff is.
 
 Each function is called with inputs of order n = 2, 5, 10, 20, 50 and 100, then with inputs of order
 4 that hold 1 to 4 symbols. Its inputs are those of `tests/support/bad_inputs.GOOD`, which has a
 call of every public function, grown by their kind: polynomials of degree n, matrices of n rows,
 plants of order n, as many roots as they need, with coefficients of two digits. A new function is
-under it as soon as it has a call there; those whose inputs do not grow are named at the end. What
-an answer computes when it is asked for, its properties and its text, is timed with it, under its
+under it as soon as it has a call there; those whose inputs do not grow are named at the end. The
+functions of `rcac_numeric` that take a plant are those of `tests/support/numeric_doors.DOORS`, with
+the name of their package before their own, and get a stable plant of order n without symbols. What an
+answer computes when it is asked for, its properties and its text, is timed with it, under its
 own name.
 
 Every call runs in a child that is ended after so many seconds of processor time, or, where other
@@ -30,13 +32,15 @@ import time
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 import sympy
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # tests/support has a call of every function
 
 import compensator_theory as exact
+import rcac_numeric
 from compensator_theory.errors import BudgetError, CompensatorError
-from tests.support import bad_inputs
+from tests.support import bad_inputs, numeric_doors
 from tests.support.public import public_objects
 
 TOO_LONG = 10.0
@@ -44,6 +48,7 @@ CLOCK = 10  # seconds of the clock for a second of the processor, at most
 MOST_CAPPED = 2  # properties of one answer, for each of which it is computed again
 ORDER = 4
 NAMES = sympy.symbols("a b c d")
+NUMERIC = "rcac_numeric."
 CONTEXT = multiprocessing.get_context("fork")
 
 
@@ -134,12 +139,29 @@ class Inputs:
 
     def arguments(self, name):
         """Return the call of a function at this size, and whether its inputs have grown."""
+        if name.startswith(NUMERIC):
+            return self._numeric(name.removeprefix(NUMERIC)), {}, True
         built = self._own(name)
         positional, named = bad_inputs.GOOD[name]
         if built is not None:
             return built, named, True
         grown = [self.grown(value) for value in positional]
         return grown, named, any(a is not b for a, b in zip(grown, positional, strict=True))
+
+    def _numeric(self, name):
+        """Return lightly damped modes and delays, in float64, as a plant or as matrices."""
+        n, draw = self.n, self.draw
+        if name == "solve_riccati":
+            A = [[draw.gauss(0, 1) / n**0.5 for _ in range(n)] for _ in range(n)]
+            return [A, self._matrix(n, 2)]
+        q = sympy.Symbol("q")
+        below = sympy.Poly(q ** (n // 4), q)
+        while (missing := n - int(below.degree())) > 0:
+            radius = sympy.Rational(draw.randint(30, 95), 100)
+            turn = 2 * radius * sympy.Rational(draw.randint(-9, 9), 10)
+            below *= sympy.Poly(q**2 - turn * q + radius**2 if missing > 1 else q - radius, q)
+        above = sympy.Poly(self._coefficients(max(1, n // 2)), q)
+        return [exact.transfer_function((above, below), "q")]
 
     def _own(self, name):
         """Return arguments that belong together, or that are of no kind above."""
@@ -229,9 +251,8 @@ class Inputs:
 def asked(result, name):
     """Yield the names of what an answer computes when it is asked for, and how."""
     yield f"str({name})", lambda: str(result)
-    ours = [
-        base for base in type(result).__mro__ if base.__module__.startswith("compensator_theory")
-    ]
+    packages = ("compensator_theory", "rcac_numeric")
+    ours = [base for base in type(result).__mro__ if base.__module__.startswith(packages)]
     attributes = {
         attribute: held for base in reversed(ours) for attribute, held in vars(base).items()
     }
@@ -369,6 +390,14 @@ FUNCTIONS = {
     for name, one in public_objects("compensator_theory").items()
     if name in bad_inputs.GOOD and callable(one)
 }
+FUNCTIONS |= {
+    NUMERIC + name: lambda G, door=door: door(G, None)
+    for name, door in numeric_doors.DOORS.items()
+    if name != "load_run"  # reads a file
+}
+FUNCTIONS[NUMERIC + "solve_riccati"] = lambda A, B: rcac_numeric.solve_riccati(
+    A, B, np.eye(len(A)), np.eye(2), time="discrete"
+)
 
 
 def main():
@@ -385,7 +414,8 @@ def main():
             continue
         numbers = [(n, Inputs(n)) for n in options.sizes]
         symbols = [(m, Inputs(ORDER, m)) for m in range(1, len(NAMES) + 1)]
-        for kind, points in (("n", numbers), ("symbols", symbols)):
+        kinds = [("n", numbers), ("symbols", [] if name.startswith(NUMERIC) else symbols)]
+        for kind, points in kinds:
             for label, row in rows(name, kind, points, options.cap, cached).items():
                 line = f"{label:40} {kind:8} {written(row)}"
                 if label == name or max(t for _, t, _ in row) > 0.1:
