@@ -5,8 +5,8 @@ Each function is called with inputs of order n = 2, 5, 10, 20, 50 and 100, then 
 call of every public function, grown by their kind: polynomials of degree n, matrices of n rows,
 plants of order n, as many roots as they need, with coefficients of two digits. A new function is
 under it as soon as it has a call there; those whose inputs do not grow are named at the end. The
-functions of `rcac_numeric` that take a plant are those of `tests/support/numeric_doors.DOORS`, with
-the name of their package before their own, and get a stable plant of order n without symbols. What an
+functions of `rcac_numeric` that take a plant are those of `tests/support/numeric_doors.DOORS`,
+named with their package, and get a stable plant of order n without symbols. What an
 answer computes when it is asked for, its properties and its text, is timed with it, under its
 own name.
 
