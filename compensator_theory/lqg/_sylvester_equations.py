@@ -189,7 +189,7 @@ def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> Ma
     """
     a, q = exact_matrix(A, "A"), exact_matrix(Q, "Q")
     b = a.T if B is None else exact_matrix(B, "B")
-    _require_shapes(a, b, q, "Q")
+    _require_shapes(a, b, q, "Q", stein=True)
     identity = "X = A X B + Q"
     solution = _by_characteristic_polynomial(a, b, q, stein=True)
     if solution is not None:
@@ -208,7 +208,7 @@ def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> Ma
     return certified(identity, left, X, more, divisors)
 
 
-def _require_shapes(a: Matrix, b: Matrix, c: Matrix, name: str) -> None:
+def _require_shapes(a: Matrix, b: Matrix, c: Matrix, name: str, *, stein: bool = False) -> None:
     if a.rows != a.cols or b.rows != b.cols or c.shape != (a.rows, b.rows):
         raise InputError(
             f"A is {a.rows} x {a.cols}, B is {b.rows} x {b.cols} and {name} is {c.rows} x "
@@ -216,9 +216,10 @@ def _require_shapes(a: Matrix, b: Matrix, c: Matrix, name: str) -> None:
         )
     if 0 in c.shape:
         raise InputError(f"{name} is {c.rows} x {c.cols}; an equation needs at least one unknown")
-    symbols = set().union(*(matrix.free_symbols for matrix in (a, b, c)))
+    divisor = (a, b) if stein else (a, b, c)
+    symbols = set().union(*(matrix.free_symbols for matrix in divisor))
     if symbols:  # the determinant that is divided by has as many terms, in the worst case
-        degree = a.rows + b.rows
+        degree = (a.rows + b.rows) * (2 if stein else 1)  # products of eigenvalues, or sums
         ask("terms", math.comb(degree + len(symbols), degree), "the matrix equation with symbols")
     ask("entries", (a.rows * b.rows) ** 2 // 400, "the matrix equation")
 

@@ -169,12 +169,11 @@ def identity(ring: Ring, size: int) -> Grid:
 def in_lowest_terms(top: Poly, bottom: Poly) -> tuple[Poly, Poly]:
     """Return numerator and denominator monic and without common factors; neither is zero."""
     ring = ring_of([top, bottom])
-    p, q = ring.read(top), ring.read(bottom)
     if isinstance(ring, FunctionRing):
-        sides = ring.lowest_terms(p, q)
+        sides = ring.lowest_terms(ring.read(top), ring.read(bottom))
         return ring.write(sides[0]), ring.write(sides[1])
-    common = p.gcd(q)
-    p, q = (ring.divide(side, common)[0] for side in (p, q))
+    p, q = ring.read(top), ring.read(bottom)
+    p, q = (ring.divide(side, p.gcd(q))[0] for side in (p, q))
     return monic(ring.write(p)), monic(ring.write(q))
 
 

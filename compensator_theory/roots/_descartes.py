@@ -114,7 +114,8 @@ def _stretched(poly: flint.fmpz_poly, exponent: int) -> flint.fmpz_poly:
 
 
 def _unit_intervals(poly: flint.fmpz_poly, more: int) -> list[Interval] | None:
-    intervals, waiting = [], [(poly, flint.fmpq(0), flint.fmpq(1))]
+    intervals: list[Interval] = []
+    waiting = [(poly, flint.fmpq(0), flint.fmpq(1))]
     for _ in range(STEPS * poly.degree() + 40 + more):
         if not waiting:
             return sorted(intervals)

@@ -19,6 +19,7 @@ from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._certified import root_balls
 from compensator_theory.roots._counts import count_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
+from compensator_theory.stability._critical_values import approximation, is_less
 from compensator_theory.stability._norms import HInfinityNorm, h_infinity_norm
 from compensator_theory.systems._transfer_functions import TransferFunction
 
@@ -61,7 +62,8 @@ class Margin(ExactValue):
 
     def __str__(self) -> str:
         place = "" if self.frequency is None else f" at {float(self.frequency):.6g}"
-        return f"{float(self.value):.6g}{place}"
+        value = self.value if isinstance(self.value, Enclosure) else approximation(self.value)
+        return f"{float(value):.6g}{place}"
 
     def _repr_latex_(self) -> str:
         return displayed(latex(self.value))
@@ -158,9 +160,9 @@ def half_circle() -> Enclosure:
 
 def nearest_gain(end: Expr, crossings: Iterable[Crossing], *, up: bool) -> Margin:
     """An end of the interval of gains around 1, with the crossover that it is."""
-    if (end == sympy.oo) if up else bool(end <= 0):
+    if (end == sympy.oo) if up else not is_less(sympy.Integer(0), end):
         return Margin(sympy.oo if up else sympy.Integer(0), None)
-    near = float(end)
+    near = float(approximation(end))
     distances = [(abs(float(gain) - near), frequency) for gain, frequency in crossings]
     # A constant L has no crossover.
     changes = min(distances, key=lambda pair: pair[0], default=(0.0, NOTHING))[1]

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     budget,
+    count_roots,
     decide_bounded_real,
     descriptor_realisation,
     doubly_coprime_fractions,
@@ -18,6 +19,8 @@ from compensator_theory import (
     observer_based_compensator,
     regulator_spectrum,
     solve_riccati,
+    solve_stein,
+    stability_margins,
     state_feedback_family,
     transfer_function,
 )
@@ -230,3 +233,26 @@ def test_the_formula_of_a_gain_is_made_of_rational_rows():
         ).formula
     assert formula.certificate.holds
     assert len(formula.relations) == n
+
+
+def test_a_gain_margin_is_read_and_printed_without_the_roots_of_sympy():
+    s, below = sympy.Symbol("s"), sympy.Poly(1, sympy.Symbol("s"))
+    for k in range(14):
+        below *= sympy.Poly(s + 1 + sympy.Rational(k, 3), s)
+    above = sympy.Poly([1, 2, -3, 4, 5, 6, 7], s)
+    margins = stability_margins((above, below), feedback=-1)
+    assert margins.is_stable
+    with at_most(200_000):
+        printed = [str(margins.gain_up), str(margins.gain_down)]
+    up = float(printed[0].split()[0])
+    poles = [sympy.Poly(below + above * sympy.Rational(f"{up * f:.12f}"), s) for f in (0.99, 1.01)]
+    assert [count_roots(p).unstable > 0 for p in poles] == [False, True]
+
+
+def test_a_stein_equation_is_asked_for_products_of_eigenvalues():
+    names = sympy.symbols("a b c d")
+    A = _matrix(4, 4) + sympy.diag(*names)
+    with at_most(200_000), pytest.raises(BudgetError, match="matrix equation with symbols"):
+        solve_stein(A, sympy.eye(4))
+    a, b, c, d = names
+    assert solve_stein([[a, b], [c, d]], sympy.eye(2)).certificate.holds
