@@ -7,7 +7,7 @@ from functools import reduce
 from typing import Any, TypeAlias
 
 import flint
-from sympy import Expr, Poly, Symbol, sympify
+from sympy import Expr, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
@@ -182,4 +182,4 @@ def resultant_of_monic(a: Poly, b: Poly) -> Expr:
     ring = ring_of([a, b])
     if isinstance(ring, FunctionRing):
         return ring.resultant(ring.read(a), ring.read(b))
-    return sympify(a.resultant(b))
+    return a.resultant(b)  # an expression, as both have one variable
