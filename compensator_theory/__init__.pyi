@@ -12,6 +12,7 @@ from . import sampling as sampling
 from . import strategies as strategies
 from .bezout._common_factors import bezout_identity as bezout_identity
 from .bezout._resultants import resultant as resultant
+from .certificates._records import certificate_record as certificate_record
 from .errors import CompensatorError as CompensatorError
 from .errors import InputError as InputError
 from .exceptional_sets._analysis import exceptional_cases as exceptional_cases

@@ -217,7 +217,7 @@ def _generic_observer_gain(
 ) -> tuple[ImmutableMatrix, list[Expr]]:
     F = observer_gain(A, C, poles, variable=variable)
     a, c = (exact_matrix(M, name).T for M, name in ((A, "A"), (C, "C")))
-    return F, _generic_regulator_gain(a, c, poles, variable=variable)[1]
+    return F, list(_generic_regulator_gain(a, c, poles, variable=variable)[1])
 
 
 def read_target_polynomial(poles: SpectrumLike, size: int, variable: Symbol) -> Poly:

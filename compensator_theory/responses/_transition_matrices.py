@@ -69,6 +69,11 @@ class TransitionMatrix(Certified, ExactValue):
         return ImmutableMatrix([[y.expression for y in row] for row in self.responses])
 
     @property
+    def transform(self) -> ImmutableMatrix:
+        """The transform of the matrix, from the modes of its entries."""
+        return ImmutableMatrix([[_transform(y) for y in row] for row in self.responses])
+
+    @property
     def exceptional(self) -> tuple[Expr, ...]:
         """Polynomials in the symbols at whose zeros eigenvalues meet."""
         return exceptional_factors(
@@ -82,13 +87,8 @@ class TransitionMatrix(Certified, ExactValue):
     def _residuals(self) -> Residuals:
         s, n = self.variable, self.A.rows
         factor = s if self.responses[0][0].is_discrete else sympy.Integer(1)
-        resolvent = [[_transform(y) for y in row] for row in self.responses]
-        residuals = []
-        for i in range(n):
-            for j in range(n):
-                total = sum((-self.A[i, k] * resolvent[k][j] for k in range(n)), sympy.Integer(0))
-                residuals.append(total + s * resolvent[i][j] - (factor if i == j else 0))
-        return [residuals]
+        Phi = self.transform
+        return [(s * Phi - self.A * Phi - factor * ImmutableMatrix.eye(n))]
 
     def __str__(self) -> str:
         name = f"A**{self.time}" if self.responses[0][0].is_discrete else f"exp(A*{self.time})"

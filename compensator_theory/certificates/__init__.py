@@ -1,0 +1,1 @@
+"""Certificates of results as records that another program checks."""

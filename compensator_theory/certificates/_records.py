@@ -1,0 +1,402 @@
+"""Certificates as records of JSON: matrices by name, and the equations that they satisfy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+import sympy
+from sympy import Expr, ImmutableMatrix, MatrixBase, Poly, Symbol
+
+from compensator_theory._printing import decimal
+from compensator_theory.bezout._common_factors import BezoutIdentity
+from compensator_theory.errors import InputError
+from compensator_theory.forms._equivalence import Equivalence
+from compensator_theory.forms._matrix_equations import MatrixDiophantineSolution
+from compensator_theory.forms._polynomial_equations import DiophantineSolution
+from compensator_theory.forms._polynomial_matrices import PolynomialMatrix
+from compensator_theory.lqg._riccati import RiccatiSolution
+from compensator_theory.observers._design import ObserverBasedCompensator
+from compensator_theory.observers._form import ObserverForm
+from compensator_theory.placement._brunovsky import BrunovskyForm
+from compensator_theory.placement._doubly_coprime import DoublyCoprimeFractions
+from compensator_theory.placement._gain_families import StateFeedbackFamily
+from compensator_theory.placement._matrix_placement import MatrixPlacement
+from compensator_theory.placement._solutions import PolePlacement
+from compensator_theory.polynomials._budget import unlimited
+from compensator_theory.polynomials._carrying import refusing
+from compensator_theory.polynomials._variables import Time, time_of
+from compensator_theory.responses._transition_matrices import TransitionMatrix
+from compensator_theory.roots._number_fields import FieldMatrix
+from compensator_theory.stability._stability_intervals import StabilityIntervals
+from compensator_theory.systems._transfer_functions import TransferFunction
+from compensator_theory.systems._transfer_matrices import TransferMatrix
+
+FORMAT = 1
+Record: TypeAlias = dict[str, Any]
+Content: TypeAlias = (
+    MatrixBase | Poly | Expr | PolynomialMatrix | TransferMatrix | TransferFunction | FieldMatrix
+)
+Product: TypeAlias = tuple[int, tuple[str, ...]]
+"""A factor, and the names of matrices that are multiplied; a name with ' is transposed."""
+
+
+class _Writer:
+    """A record as it is written."""
+
+    def __init__(self, kind: str, statement: str, variable: Symbol | None = None) -> None:
+        self.kind, self.statement, self.variable = kind, statement, variable
+        self.matrices: dict[str, MatrixBase] = {}
+        self.generator: Symbol | None = None
+        self.extension: Poly | None = None
+        self.claims: dict[str, list[Any]] = {}
+
+    def matrix(self, name: str, content: Content) -> None:
+        """Add a matrix, or a polynomial as one of one entry."""
+        if isinstance(content, FieldMatrix):
+            minimal = content.field.minimal
+            self.generator, self.extension = minimal.gen, minimal
+            entries = [[p.as_expr() for p in row] for row in content.polynomials]
+            content = ImmutableMatrix(entries)
+            used = {s for e in content for s in e.free_symbols}
+            content = content.xreplace(dict.fromkeys(used, minimal.gen))
+        elif isinstance(content, PolynomialMatrix | TransferMatrix):
+            content = content.as_matrix()
+        elif isinstance(content, TransferFunction | Poly):
+            content = ImmutableMatrix([[content.as_expr()]])
+        elif isinstance(content, Expr):
+            content = ImmutableMatrix([[content]])
+        self.matrices[name] = content
+
+    def equation(self, *terms: Product) -> None:
+        """Claim that a sum of products vanishes."""
+        self._claim("equations", [[str(c), list(names)] for c, names in terms])
+
+    def spectrum(self, name: str, *terms: Product) -> None:
+        """Claim that a sum of products has a characteristic polynomial."""
+        self._claim("spectra", {"of": [[str(c), list(names)] for c, names in terms], "is": name})
+
+    def regular(self, name: str) -> None:
+        """Claim that a matrix is not singular."""
+        self._claim("regular", name)
+
+    def stable(self, name: str, time: Time) -> None:
+        """Claim that a polynomial has stable roots only."""
+        self._claim("stable", {"is": name, "time": time})
+
+    def _claim(self, kind: str, claim: Any) -> None:
+        self.claims.setdefault(kind, []).append(claim)
+
+    def record(self) -> Record:
+        """Return the record, with the symbols that it needs."""
+        if not self.claims:
+            raise InputError(f"the {self.kind} are empty, so there is nothing to record")
+        used = {x for matrix in self.matrices.values() for e in matrix for x in e.free_symbols}
+        used -= {self.variable, self.generator}
+        ordered = [self.variable or Symbol("s"), *sorted(used, key=str)]
+        if self.generator is not None:
+            ordered.append(self.generator)
+        record: Record = {"format": FORMAT, "kind": self.kind, "statement": self.statement}
+        record["symbols"] = [symbol.name for symbol in ordered]
+        record["extension"] = None if self.extension is None else _terms(self.extension, ordered)
+        record["matrices"] = {k: _written(m, ordered) for k, m in self.matrices.items()}
+        return record | self.claims
+
+
+def _written(matrix: MatrixBase, symbols: Sequence[Symbol]) -> Record:
+    """Write a matrix as numerators over one denominator."""
+    fractions = [sympy.fraction(sympy.together(entry)) for entry in matrix]
+    try:
+        bottoms = [Poly(bottom, *symbols, domain="QQ") for _, bottom in fractions]
+        common = Poly(1, *symbols, domain="QQ")
+        for bottom in bottoms:
+            common = common.lcm(bottom)
+        tops = [
+            Poly(top, *symbols, domain="QQ") * common.quo(bottom)
+            for (top, _), bottom in zip(fractions, bottoms, strict=True)
+        ]
+    except sympy.PolynomialError:
+        raise InputError(
+            "a record has rational functions of symbols; the result contains irrational numbers, "
+            "so give rational data, or symbols in their place"
+        ) from None
+    return {
+        "rows": matrix.rows,
+        "columns": matrix.cols,
+        "entries": [_terms(top, symbols) for top in tops],
+        "over": _terms(common, symbols),
+    }
+
+
+def _terms(poly: Poly, symbols: Sequence[Symbol]) -> list[list[Any]]:
+    """Write a polynomial as its terms."""
+    read = (
+        poly if tuple(poly.gens) == tuple(symbols) else Poly(poly.as_expr(), *symbols, domain="QQ")
+    )
+    return [[_number(c), [int(e) for e in powers]] for powers, c in read.terms() if c]
+
+
+def _number(c: Expr) -> str:
+    top, bottom = int(c.p), int(c.q)
+    return decimal(top) if bottom == 1 else f"{decimal(top)}/{decimal(bottom)}"
+
+
+def _placement(found: PolePlacement) -> _Writer:
+    write = _Writer("placement", "D D_c - f N N_c = lambda D~, D dD = f N dN", found.target.gen)
+    plant = found.plant
+    write.matrix("D", plant.denominator)
+    write.matrix("N", plant.numerator)
+    write.matrix("D_c", found.denominator)
+    write.matrix("N_c", found.numerator)
+    write.matrix("p", found.target)
+    closed = plant.denominator.as_expr() * found.denominator.as_expr() - (
+        found.feedback * plant.numerator.as_expr() * found.numerator.as_expr()
+    )
+    write.matrix("lambda", Poly(closed, found.target.gen).LC())
+    write.equation((1, ("D", "D_c")), (-found.feedback, ("N", "N_c")), (-1, ("lambda", "p")))
+    for k, (above, below) in enumerate(found.homogeneous):
+        write.matrix(f"dN{k}", above)
+        write.matrix(f"dD{k}", below)
+        write.equation((1, ("D", f"dD{k}")), (-found.feedback, ("N", f"dN{k}")))
+    return write
+
+
+def _diophantine(found: DiophantineSolution) -> _Writer:
+    write = _Writer("Diophantine equation", "a x + b y = c, a dx + b dy = 0", found.a.gen)
+    for name in ("a", "b", "c", "x", "y", "dx", "dy"):
+        write.matrix(name, getattr(found, name))
+    write.equation((1, ("a", "x")), (1, ("b", "y")), (-1, ("c",)))
+    write.equation((1, ("a", "dx")), (1, ("b", "dy")))
+    return write
+
+
+def _bezout(found: BezoutIdentity) -> _Writer:
+    write = _Writer("Bezout identity", "x a + y b = g, a = g a', b = g b'", found.a.gen)
+    for name in ("a", "b", "x", "y"):
+        write.matrix(name, getattr(found, name))
+    write.matrix("g", found.gcd)
+    write.matrix("a_g", found.quotients[0])
+    write.matrix("b_g", found.quotients[1])
+    write.equation((1, ("x", "a")), (1, ("y", "b")), (-1, ("g",)))
+    write.equation((1, ("a",)), (-1, ("g", "a_g")))
+    write.equation((1, ("b",)), (-1, ("g", "b_g")))
+    return write
+
+
+def _matrix_placement(found: MatrixPlacement) -> _Writer:
+    write = _Writer("matrix placement", "D_l D_c - f N_l N_c = diag(p)", found.targets[0].gen)
+    for name in ("D_l", "N_l", "D_c", "N_c"):
+        write.matrix(name, getattr(found, name))
+    write.matrix("p", ImmutableMatrix(sympy.diag(*(p.as_expr() for p in found.targets))))
+    write.equation((1, ("D_l", "D_c")), (-found.feedback, ("N_l", "N_c")), (-1, ("p",)))
+    return write
+
+
+def _doubly_coprime(found: DoublyCoprimeFractions) -> _Writer:
+    write = _Writer(
+        "doubly coprime fractions",
+        "[[V_l, -U_l], [-N_l, M_l]] [[M_r, U_r], [N_r, V_r]] = I",
+        found.M_r.variable,
+    )
+    names = ("M_r", "N_r", "U_r", "V_r", "M_l", "N_l", "U_l", "V_l")
+    for name in names:
+        write.matrix(name, getattr(found, name))
+    write.matrix("I_m", ImmutableMatrix.eye(found.M_r.shape[0]))
+    write.matrix("I_p", ImmutableMatrix.eye(found.M_l.shape[0]))
+    write.equation((1, ("V_l", "M_r")), (-1, ("U_l", "N_r")), (-1, ("I_m",)))
+    write.equation((1, ("V_l", "U_r")), (-1, ("U_l", "V_r")))
+    write.equation((1, ("M_l", "N_r")), (-1, ("N_l", "M_r")))
+    write.equation((1, ("M_l", "V_r")), (-1, ("N_l", "U_r")), (-1, ("I_p",)))
+    return write
+
+
+def _equivalence(found: Equivalence) -> _Writer:
+    write = _Writer("equivalence", "U P V = F, U U^-1 = I, V V^-1 = I", found.matrix.variable)
+    for name, content in (
+        ("P", found.matrix), ("F", found.form), ("U", found.U), ("V", found.V),
+        ("U_inverse", found.U_inverse), ("V_inverse", found.V_inverse),
+    ):  # fmt: skip
+        write.matrix(name, content)
+    write.equation((1, ("U", "P", "V")), (-1, ("F",)))
+    for side in "UV":
+        size = getattr(found, side).shape[0]
+        write.matrix(f"I_{side}", ImmutableMatrix.eye(size))
+        write.equation((1, (side, f"{side}_inverse")), (-1, (f"I_{side}",)))
+    return write
+
+
+def _matrix_diophantine(found: MatrixDiophantineSolution) -> _Writer:
+    left = found.side == "right"
+    statement = "A X + B Y = C" if left else "X A + Y B = C"
+    write = _Writer("matrix Diophantine equation", statement, found.A.variable)
+    for name in ("A", "B", "C", "X", "Y"):
+        write.matrix(name, getattr(found, name))
+    pairs = (("A", "X"), ("B", "Y")) if left else (("X", "A"), ("Y", "B"))
+    write.equation(*((1, pair) for pair in pairs), (-1, ("C",)))
+    return write
+
+
+def _brunovsky(found: BrunovskyForm) -> _Writer:
+    write = _Writer("Brunovsky form", "(A + B F) T = T A_c, B W = T B_c, T and W regular")
+    for name in ("A", "B", "F", "T", "W", "A_c", "B_c"):
+        write.matrix(name, getattr(found, name))
+    write.equation((1, ("A", "T")), (1, ("B", "F", "T")), (-1, ("T", "A_c")))
+    write.equation((1, ("B", "W")), (-1, ("T", "B_c")))
+    write.regular("T")
+    write.regular("W")
+    return write
+
+
+def _gain_family(found: StateFeedbackFamily) -> _Writer:
+    write = _Writer("state feedback", "det(sI - A - B K) = p", found.polynomial.gen)
+    for name, content in (("A", found.form.A), ("B", found.form.B), ("K", found.gain())):
+        write.matrix(name, content)
+    write.matrix("p", found.polynomial)
+    write.spectrum("p", (1, ("A",)), (1, ("B", "K")))
+    return write
+
+
+def _observer_form(found: ObserverForm) -> _Writer:
+    write = _Writer(
+        "observer form", "B_c C + A_c T = T (A + B C_c T), both spectra", found.plant.variable
+    )
+    plant, compensator = found.plant, found.compensator
+    for name, content in (
+        ("A", plant.A), ("B", plant.B), ("C", plant.C), ("D", plant.D), ("A_c", compensator.A),
+        ("B_c", compensator.B), ("C_c", compensator.C), ("T", found.T),
+        ("p_R", found.regulator), ("p_O", found.observer),
+    ):  # fmt: skip
+        write.matrix(name, content)
+    write.equation(
+        (1, ("B_c", "C")), (1, ("A_c", "T")), (1, ("B_c", "D", "C_c", "T")),
+        (-1, ("T", "A")), (-1, ("T", "B", "C_c", "T")),
+    )  # fmt: skip
+    write.spectrum("p_R", (1, ("A",)), (1, ("B", "C_c", "T")))
+    write.spectrum("p_O", (1, ("A_c",)), (1, ("B_c", "D", "C_c")), (-1, ("T", "B", "C_c")))
+    if found.T.rows == found.T.cols:
+        write.regular("T")
+    return write
+
+
+def _observer_based(found: ObserverBasedCompensator) -> _Writer:
+    write = _Writer(
+        "observer-based compensator", "det(sI - A - B K) = p_R, det(sI - A + F C) = p_O",
+        found.plant.variable,
+    )  # fmt: skip
+    for name, content in (
+        ("A", found.plant.A), ("B", found.plant.B), ("C", found.plant.C), ("K", found.K),
+        ("F", found.F), ("p_R", found.regulator), ("p_O", found.observer),
+    ):  # fmt: skip
+        write.matrix(name, content)
+    write.spectrum("p_R", (1, ("A",)), (1, ("B", "K")))
+    write.spectrum("p_O", (1, ("A",)), (-1, ("F", "C")))
+    return write
+
+
+def _riccati(found: RiccatiSolution) -> _Writer:
+    if found.K_in_field is None or found.P_in_field is None:
+        raise InputError(
+            "the solution is known by enclosures alone, so that there is no identity to record; "
+            "raise budget(field_degree=...)"
+        )
+    discrete = found.factor.time == "discrete"
+    write = _Writer("Riccati equation", "the equation and its gain")
+    for name in ("A", "B", "Q", "R", "N"):
+        write.matrix(name, getattr(found, name))
+    write.matrix("P", found.P_in_field)
+    write.matrix("K", found.K_in_field)
+    if discrete:  # (R + B'PB) K = -(B'PA + N'), P = A'PA + Q + (A'PB + N) K
+        write.equation(
+            (1, ("R", "K")), (1, ("B'", "P", "B", "K")), (1, ("B'", "P", "A")), (1, ("N'",))
+        )
+        write.equation(
+            (1, ("P",)), (-1, ("A'", "P", "A")), (-1, ("Q",)), (-1, ("A'", "P", "B", "K")),
+            (-1, ("N", "K")),
+        )  # fmt: skip
+    else:  # R K = -(B'P + N'), A'P + P A + Q + (P B + N) K = 0
+        write.equation((1, ("R", "K")), (1, ("B'", "P")), (1, ("N'",)))
+        write.equation(
+            (1, ("A'", "P")), (1, ("P", "A")), (1, ("Q",)), (1, ("P", "B", "K")), (1, ("N", "K"))
+        )
+    write.equation((1, ("P",)), (-1, ("P'",)))
+    return write
+
+
+def _transition(found: TransitionMatrix) -> _Writer:
+    write = _Writer("transition matrix", "(s I - A) Phi = I, or z I", found.variable)
+    s, n = found.variable, found.A.rows
+    discrete = found.responses[0][0].is_discrete
+    write.matrix("A", found.A)
+    write.matrix("s", s * ImmutableMatrix.eye(n))
+    write.matrix("right", (s if discrete else 1) * ImmutableMatrix.eye(n))
+    write.matrix("Phi", found.transform)
+    write.equation((1, ("s", "Phi")), (-1, ("A", "Phi")), (-1, ("right",)))
+    return write
+
+
+def _intervals(found: StabilityIntervals) -> _Writer:
+    write = _Writer(
+        "stability intervals", "stable at a point of each interval", found.polynomial.gen
+    )
+    time = time_of(found.polynomial.gen, "stability")
+    for k, cell in enumerate(found.intervals):
+        value = found.polynomial.as_expr().subs(found.parameter, cell.sample)
+        write.matrix(f"p{k}", Poly(value, found.polynomial.gen))
+        write.stable(f"p{k}", time)
+    return write
+
+
+_WRITERS: Mapping[type, Callable[[Any], _Writer]] = {
+    PolePlacement: _placement,
+    DiophantineSolution: _diophantine,
+    BezoutIdentity: _bezout,
+    MatrixPlacement: _matrix_placement,
+    DoublyCoprimeFractions: _doubly_coprime,
+    Equivalence: _equivalence,
+    MatrixDiophantineSolution: _matrix_diophantine,
+    BrunovskyForm: _brunovsky,
+    StateFeedbackFamily: _gain_family,
+    ObserverForm: _observer_form,
+    ObserverBasedCompensator: _observer_based,
+    RiccatiSolution: _riccati,
+    TransitionMatrix: _transition,
+    StabilityIntervals: _intervals,
+}
+
+
+@refusing
+def certificate_record(result: object) -> Record:
+    r"""Return the certificate of a result as a record that another program can check.
+
+    Parameters
+    ----------
+    result : PolePlacement, DiophantineSolution, RiccatiSolution, ObserverForm, ...
+        A result whose data, given and computed, satisfy equations.
+
+    Returns
+    -------
+    dict
+        Strings, numbers and lists, for ``json.dump``: matrices of rational functions by name, and
+        the equations, spectra and signs that they satisfy. ``proofs/recheck.py`` of a checkout
+        checks a file of such records with Python's standard library alone, and documents the
+        format.
+
+    Raises
+    ------
+    InputError
+        If the result is of another kind, or contains irrational numbers, except those of
+        :class:`RiccatiSolution`, which are in one field.
+
+    Examples
+    --------
+    >>> from compensator_theory import certificate_record, place_poles
+    >>> record = certificate_record(place_poles("1/(s - 1)", [-1], feedback=-1))
+    >>> record["statement"], record["symbols"], sorted(record["matrices"])
+    ('D D_c - f N N_c = lambda D~, D dD = f N dN', ['s'], ['D', 'D_c', 'N', 'N_c', 'lambda', 'p'])
+    """
+    for kind, write in _WRITERS.items():
+        if isinstance(result, kind):
+            with unlimited():
+                return write(result).record()
+    kinds = ", ".join(kind.__name__ for kind in _WRITERS)
+    raise InputError(f"a {type(result).__name__} has no certificate to record; these have: {kinds}")
