@@ -18,6 +18,7 @@ from docs.cross_references import intersphinx, resolve_public, skip_foreign, typ
 from docs.equation_index import equations, equations_page
 from docs.equation_links import setup_equations
 from docs.errata_page import CHAPTERS, errata_page
+from docs.evidence_page import evidence_table
 from docs.exercises_page import exercises_page
 from docs.exercises_page import sources as exercise_files
 from docs.formulas import setup_formulas
@@ -140,6 +141,7 @@ def insert_ledger(app, name, source):
             ("graph", blueprint.graph(ledger())),
             ("coverage", table(coverage(used, ledger()), names)),
             ("definitions", blueprint.definitions()),
+            ("answers", evidence_table()),
         ):
             source[0] = source[0].replace(f"<!-- the {mark} -->", text)
 
