@@ -100,7 +100,8 @@ std::unique_ptr<OwnedController> make_controller(
     const std::size_t l_theta = regressor.size() * l_u;
     const std::vector<double> P = covariance_of(P_0, l_theta);
     plan.bounds = bounds_of(bounds, l_theta);
-    plan.bounds.ellipsoid = ellipsoid_of(ellipsoid, l_theta);
+    const InstructionSet& set = instruction_set(instructions.c_str());
+    plan.bounds.ellipsoid = ellipsoid_of(ellipsoid, l_theta, set);
     refuse_unless(plan.bounds.low.empty() || plan.bounds.ellipsoid.center.empty(),
                   "bounds are a box or an ellipsoid");
     plan.noise = copied(noise, noise.size() / l_theta * l_theta, "noise");
@@ -110,7 +111,7 @@ std::unique_ptr<OwnedController> make_controller(
     for (const double s : plan.penalty.base) penalises = penalises || s != 0.0;
     const std::size_t rows = penalises ? l_z + l_u : l_z;
     std::unique_ptr<Update> arithmetic = update_of(update, P, theta, rows, window, step_size,
-                                                    instruction_set(instructions.c_str()));
+                                                  set);
     return std::make_unique<OwnedController>(std::move(plan), std::move(arithmetic),
                                              std::move(theta));
 }

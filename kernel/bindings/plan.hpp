@@ -181,7 +181,8 @@ inline BoundsPlan bounds_of(const nb::tuple& given, std::size_t l_theta) {
     const auto [low, high, in_metric, sweeps] = read<std::tuple<Array, Array, bool, std::size_t>>(
         given, "bounds", "(low, high, in_metric, sweeps)");
     if (low.size() == 0 && high.size() == 0) return {};
-    BoundsPlan plan{copied(low, l_theta, "low"), copied(high, l_theta, "high"), in_metric, sweeps};
+    BoundsPlan plan{copied(low, l_theta, "low"), copied(high, l_theta, "high"), in_metric, sweeps,
+                    {}};
     for (std::size_t i = 0; i < l_theta; ++i)
         refuse_unless(plan.low[i] <= plan.high[i], "a low bound exceeds the high one");
     require_range<std::size_t>(sweeps, 0, 1000000, "sweeps");
@@ -189,33 +190,23 @@ inline BoundsPlan bounds_of(const nb::tuple& given, std::size_t l_theta) {
     return plan;
 }
 
-// (center, factor, in_metric, limit, aim), or nothing in them.
-inline EllipsoidPlan ellipsoid_of(const nb::tuple& given, std::size_t l_theta) {
-    const auto [center, factor, in_metric, limit, aim] =
+// (center, inverse of the factor, in_metric, limit, aim), or nothing in them.
+inline EllipsoidPlan ellipsoid_of(const nb::tuple& given, std::size_t l_theta,
+                                  const InstructionSet& instructions) {
+    const auto [center, inverse, in_metric, limit, aim] =
         read<std::tuple<Array, Array, bool, double, double>>(
-            given, "ellipsoid", "(center, factor, in_metric, limit, aim)");
-    if (center.size() == 0 && factor.size() == 0) return {};
+            given, "ellipsoid", "(center, inverse, in_metric, limit, aim)");
+    if (center.size() == 0 && inverse.size() == 0) return {};
     const std::size_t n = l_theta;
     EllipsoidPlan plan{copied(center, n, "center"),
-                       copied(factor, length_of({n, n}, "factor"), "factor"),
-                       std::vector<double>(n), in_metric, limit, aim};
+                       copied(inverse, length_of({n, n}, "inverse"), "inverse"), in_metric, limit,
+                       aim, &instructions};
     refuse_unless(limit > 0.5 && limit < 1.0 && aim > 0.5 && aim <= limit,
                   "limit and aim of an ellipsoid");
-    refuse_unless(finite(plan.center.data(), n) && finite(plan.L.data(), n * n),
+    refuse_unless(finite(plan.center.data(), n) && finite(plan.inverse.data(), n * n),
                   "an ellipsoid is not finite");
-    std::vector<double> column(n);
     for (std::size_t i = 0; i < n; ++i)
-        refuse_unless(plan.L[i * n + i] > 0.0, "the diagonal of a factor is not positive");
-    for (std::size_t j = 0; j < n; ++j) {  // of L^{-1}
-        double square = 0.0;
-        for (std::size_t i = j; i < n; ++i) {
-            double sum = i == j ? 1.0 : 0.0;
-            for (std::size_t m = j; m < i; ++m) sum -= plan.L[i * n + m] * column[m];
-            column[i] = sum / plan.L[i * n + i];
-            square += column[i] * column[i];
-        }
-        plan.reach[j] = std::sqrt(square) * (1.0 + 1e-9 + 2.0 * (1.0 - limit));
-    }
+        refuse_unless(plan.inverse[i * n + i] > 0.0, "the diagonal of a factor is not positive");
     return plan;
 }
 

@@ -3,19 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
+#include "memory/aligned.hpp"
+#include "simd/dispatch.hpp"
 #include "updates/update.hpp"
 
 namespace rcac {
 
-// center + L v with |v| <= 1, L lower triangular (row-major) with a positive diagonal.
+// center + L v with |v| <= 1, L lower triangular with a positive diagonal.
 struct EllipsoidPlan {
-    std::vector<double> center, L;  // empty: none
-    std::vector<double> reach;      // |L^{-1} e_j|, rounded up
-    bool in_metric = false;         // cuts in the metric of P, else along the radius alone
-    double limit = 1.0;             // a computed radius up to it proves |v| <= 1
-    double aim = 1.0;               // where a projection goes
+    std::vector<double> center, inverse;  // L^{-1}, row-major, to the nearest numbers; empty: none
+    bool in_metric = false;               // cuts in the metric of P, else along the radius alone
+    double limit = 1.0;                   // a computed radius up to it proves |v| <= 1
+    double aim = 1.0;                     // where a projection goes; it is computed below the limit
+    const InstructionSet* instructions = nullptr;
 };
 
 struct BoundsPlan {
@@ -30,95 +33,92 @@ struct BoundsPlan {
 class Ellipsoid {
 public:
     explicit Ellipsoid(const EllipsoidPlan& plan)
-        : plan_(plan), n_(plan.center.size()), columns_(n_ * n_), inverse_(n_), delta_(n_), v_(n_),
-          row_(n_), moved_(n_), near_(n_) {
-        for (std::size_t i = 0; i < n_; ++i)
-            for (std::size_t j = 0; j <= i; ++j) columns_[j * n_ + i] = plan_.L[i * n_ + j];
-        for (std::size_t i = 0; i < n_; ++i) inverse_[i] = 1.0 / plan_.L[i * n_ + i];
+        : plan_(plan), n_(plan.center.size()), limit_(plan.limit * plan.limit),
+          margin_(8.0 * (1.0 - plan.limit)), R_(tiles_size(n_), 0.0),
+          delta_(padded_to_tiles(n_), 0.0), v_(delta_), normal_(delta_), moved_(delta_), reach_(n_),
+          near_(n_) {
+        for (std::size_t j = 0; j < n_; ++j) {
+            double square = 0.0;
+            for (std::size_t i = j; i < n_; ++i) {
+                const double entry = plan_.inverse[i * n_ + j];
+                R_[place_in_tiles(j, i)] = entry;
+                square += entry * entry;
+            }
+            reach_[j] = std::sqrt(square) * (1.0 + 1e-9 + 2.0 * (1.0 - plan_.limit));
+        }
     }
 
     bool is_there() const { return n_ > 0; }
 
     double radius(const std::vector<double>& theta) { return std::sqrt(locate(theta)); }
 
-    // Moves theta inside; false where it is inside already.
-    bool apply(const Update& update, std::vector<double>& theta) {
-        if (is_near(theta)) return false;
-        double square = locate(theta);
-        const double limit = plan_.limit * plan_.limit;
-        if (square <= limit) {
-            near_ = theta;
-            // So much less that a radius within its rounding error decides the same.
-            slack_ = plan_.limit - std::sqrt(square) - 2.0 * (1.0 - plan_.limit);
-            return false;
-        }
-        slack_ = -1.0;
-        if (plan_.in_metric) square = cut(update, square, limit);
-        moved_ = delta_;
-        if (!std::isfinite(square)) square = shrink();
-        double scale = std::isfinite(square) ? std::min(plan_.aim / std::sqrt(square), 1.0) : 0.0,
-               give = 1.0 - plan_.aim;
-        for (int attempt = 0; attempt < attempts && scale > 0.0; ++attempt) {
-            for (std::size_t i = 0; i < n_; ++i) theta[i] = plan_.center[i] + scale * moved_[i];
-            if (locate(theta) <= limit) return true;  // with what rounding did to theta
-            scale *= 1.0 - give;
-            give += give;
-        }
-        theta = plan_.center;
+    // Whether theta is inside. From a theta of which |v|^2 = e^2 and n = M^{-1} delta are known,
+    // |v|^2 grows by 2 n'd + |L^{-1} d|^2 over a move d, and |L^{-1} d| is at most the sum s of
+    // reach_j |d_j|: most steps need no more than that. What rounding may do to n'd is at most margin s.
+    bool contains(const std::vector<double>& theta) {
+        const InstructionSet& set = *plan_.instructions;
+        if (!std::isnan(slack_) && set.growth(n_, reach_.data(), normal_.data(), theta.data(),
+                                              near_.data(), margin_) <= slack_)
+            return true;
+        square_ = locate(theta);
+        slack_ = unknown;
+        if (!(square_ <= limit_)) return false;
+        near_ = theta;
+        set.times(n_, R_.data(), v_.data(), normal_.data());
+        // A true radius up to `surely` has a computed one within the limit.
+        const double error = 1.0 - plan_.limit, surely = plan_.limit - error,
+                     radius = std::sqrt(square_) + error;
+        slack_ = surely * surely - radius * radius;
         return true;
     }
 
-private:
-    static constexpr int cuts = 4, attempts = 8;
-    static constexpr double nearly = 1e-6;  // of |v|^2, which is left to the radius
-
-    // Whether theta has moved by less than lay between the last known radius and the limit.
-    bool is_near(const std::vector<double>& theta) const {
-        double moves[4] = {};
-        std::size_t i = 0;
-        for (; i + 4 <= n_; i += 4)
-            for (std::size_t c = 0; c < 4; ++c)
-                moves[c] += plan_.reach[i + c] * std::fabs(theta[i + c] - near_[i + c]);
-        for (; i < n_; ++i) moves[0] += plan_.reach[i] * std::fabs(theta[i] - near_[i]);
-        return moves[0] + moves[1] + (moves[2] + moves[3]) <= slack_;
+    // Moves theta, which `contains` has just found outside, inside.
+    void project(const Update& update, std::vector<double>& theta) {
+        double square = square_;
+        if (!std::isfinite(square))
+            square = shrink();
+        else if (plan_.in_metric)
+            square = cut(update, square);
+        const double scale = std::min(plan_.aim / std::sqrt(square), 1.0);
+        if (std::isfinite(square) && scale > 0.0)
+            for (std::size_t i = 0; i < n_; ++i) theta[i] = plan_.center[i] + scale * delta_[i];
+        else
+            theta = plan_.center;
     }
+
+    // For whoever looks at theta elsewhere (lanes/state.hpp).
+    const std::vector<double>& reach() const { return reach_; }
+    const std::vector<double>& near() const { return near_; }
+    const double* normal() const { return normal_.data(); }
+    double margin() const { return margin_; }
+    double slack() const { return slack_; }
+
+private:
+    static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    static constexpr int cuts = 4;
+    static constexpr double nearly = 1e-6;  // of |v|^2, which is left to the radius
 
     double locate(const std::vector<double>& theta) {
         for (std::size_t i = 0; i < n_; ++i) delta_[i] = theta[i] - plan_.center[i];
-        return substitute();
+        return locate();
     }
-
     // v = L^{-1} delta; its square.
-    double substitute() {
-        v_ = delta_;
-        for (std::size_t j = 0; j < n_; ++j) {
-            const double* column = columns_.data() + j * n_;
-            const double v = v_[j] * inverse_[j];
-            v_[j] = v;
-            for (std::size_t i = j + 1; i < n_; ++i) v_[i] -= column[i] * v;
-        }
-        double square = 0.0;
-        for (std::size_t i = 0; i < n_; ++i) square += v_[i] * v_[i];
-        return square;
+    double locate() {
+        return plan_.instructions->transposed_times(n_, R_.data(), delta_.data(), v_.data());
     }
 
     // With n = M^{-1} delta the half-space n't <= (e^2 + limit) / 2 holds the ellipsoid, and the
     // nearest point of it in the metric of P is delta - P n (e^2 - limit) / (2 n'Pn).
-    double cut(const Update& update, double square, double limit) {
-        for (int made = 0; made < cuts && square > limit * (1.0 + nearly); ++made) {
-            for (std::size_t i = n_; i-- > 0;) {
-                const double* row = plan_.L.data() + i * n_;
-                const double normal = v_[i] * inverse_[i];
-                v_[i] = normal;
-                for (std::size_t j = 0; j < i; ++j) v_[j] -= row[j] * normal;
-            }
-            update.covariance_times(v_.data(), row_.data());
-            double size = 0.0;
-            for (std::size_t i = 0; i < n_; ++i) size += v_[i] * row_[i];
-            const double step = (square - limit) / (2.0 * size);
-            if (!(size > 0.0) || !std::isfinite(step)) return square;  // rounding left P no metric
-            for (std::size_t i = 0; i < n_; ++i) delta_[i] -= step * row_[i];
-            square = substitute();
+    double cut(const Update& update, double square) {
+        for (int made = 0; made < cuts && square > limit_ * (1.0 + nearly); ++made) {
+            plan_.instructions->times(n_, R_.data(), v_.data(), normal_.data());
+            update.covariance_times(normal_.data(), moved_.data());
+            const double size = plan_.instructions->dot(n_, normal_.data(), moved_.data()),
+                         step = (square - limit_) / (2.0 * size);
+            // Rounding left P no metric, or the numbers are beyond float64.
+            if (!(size > 0.0) || !std::isfinite(size) || !std::isfinite(step)) return square;
+            for (std::size_t i = 0; i < n_; ++i) delta_[i] -= step * moved_[i];
+            square = locate();
         }
         return square;
     }
@@ -126,16 +126,20 @@ private:
     // The direction alone, where |v|^2 is beyond float64.
     double shrink() {
         double largest = 0.0;
-        for (std::size_t i = 0; i < n_; ++i) largest = std::max(largest, std::fabs(moved_[i]));
-        for (std::size_t i = 0; i < n_; ++i) delta_[i] = moved_[i] /= largest;
-        return substitute();
+        for (std::size_t i = 0; i < n_; ++i) largest = std::max(largest, std::fabs(delta_[i]));
+        for (std::size_t i = 0; i < n_; ++i) delta_[i] /= largest;
+        return locate();
     }
 
     EllipsoidPlan plan_;
     std::size_t n_;
-    std::vector<double> columns_, inverse_, delta_, v_, row_, moved_;
-    std::vector<double> near_;  // theta at the last look
-    double slack_ = -1.0;       // that was left there; negative: not known
+    double limit_, square_ = 0.0;  // of |v|^2
+    double margin_;
+    // The transpose of L^{-1} is upper triangular and lies in tiles.
+    AlignedVector R_, delta_, v_, normal_, moved_;
+    std::vector<double> reach_;  // |L^{-1} e_j|, rounded up
+    std::vector<double> near_;   // theta at the last look
+    double slack_ = unknown;     // of |v|^2 there
 };
 
 class CoefficientBounds {
@@ -151,24 +155,24 @@ public:
     bool are_there() const { return plan_.are_there(); }
     Ellipsoid& ellipsoid() { return ellipsoid_; }
 
-    // Moves theta to where it keeps the bounds; false where it did already.
-    bool apply(const Update& update, std::vector<double>& theta) {
-        if (ellipsoid_.is_there()) return ellipsoid_.apply(update, theta);
-        if (keeps(theta)) return false;
-        if (plan_.in_metric) project(update, theta);
-        // What the search leaves by rounding, or because its sweeps ran out, is cut off.
-        for (std::size_t i = 0; i < n_; ++i) theta[i] = std::clamp(theta[i], plan_.low[i], plan_.high[i]);
-        return true;
-    }
-
-private:
-    bool keeps(const std::vector<double>& theta) const {
+    // Whether theta keeps the bounds.
+    bool contain(const std::vector<double>& theta) {
+        if (ellipsoid_.is_there()) return ellipsoid_.contains(theta);
         bool all = true;
         for (std::size_t i = 0; i < n_; ++i)
             all = all && theta[i] >= plan_.low[i] && theta[i] <= plan_.high[i];
         return all;
     }
 
+    // Moves a theta that has just been found outside to where it keeps them.
+    void apply(const Update& update, std::vector<double>& theta) {
+        if (ellipsoid_.is_there()) return ellipsoid_.project(update, theta);
+        if (plan_.in_metric) project(update, theta);
+        // What the search leaves by rounding, or because its sweeps ran out, is cut off.
+        for (std::size_t i = 0; i < n_; ++i) theta[i] = std::clamp(theta[i], plan_.low[i], plan_.high[i]);
+    }
+
+private:
     // Hildreth (1957): theta <- theta - P e_i dmu for one bound after another, the multipliers mu
     // staying of their sign, until nothing moves. P is not touched.
     void project(const Update& update, std::vector<double>& theta) {

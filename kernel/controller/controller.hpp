@@ -157,8 +157,14 @@ public:
             update_->inflate(plan_.noise.data(), plan_.noise.size() / theta_.size());
         if (plan_.reflect_poles && reflect(structure().regressor, theta_, polynomial_))
             ++reflections_;
-        if (bounds_.are_there() && bounds_.apply(*update_, theta_)) ++bounded_;
+        if (bounds_.are_there() && !keeps_bounds()) move_into_bounds();
     }
+    bool keeps_bounds() { return bounds_.contain(theta_); }
+    void move_into_bounds() {
+        bounds_.apply(*update_, theta_);
+        ++bounded_;
+    }
+    Ellipsoid& ellipsoid() { return bounds_.ellipsoid(); }
 
     // theta(k+1) from theta(k); false where that left the range of float64.
     bool adapt(const double* z) {

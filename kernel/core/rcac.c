@@ -591,99 +591,101 @@ static void bound_in_box(rcac_state *s) {
 #endif
 
 #if RCAC_ELLIPSOID
-/* theta = center + L v with |v| <= 1; the factor row by row, with the inverse of its diagonal there. */
+/* theta = center + L v with |v| <= 1; L^{-1} row by row. Sums run as in vectors of two and of four. */
 
 /* v = L^{-1} delta; its square. */
-static rcac_real substitute(const rcac_real *delta, rcac_real *v) {
-    const rcac_real *row = rcac_factor;
-    rcac_real square = 0;
+static rcac_real shares(const rcac_real *delta, rcac_real *v) {
+    const rcac_real *row = rcac_inverse;
+    rcac_real square[2] = {0, 0};
     int i, j;
     for (i = 0; i < N; ++i) {
-        v[i] = delta[i];
-        for (j = 0; j < i; ++j) v[i] -= row[j] * v[j];
-        v[i] *= row[i];
+        rcac_real sum[2] = {0, 0};
+        for (j = 0; j <= i; ++j) sum[j % 2] += row[j] * delta[j];
+        v[i] = sum[0] + sum[1];
+        square[i % 2] += v[i] * v[i];
         row += i + 1;
     }
-    for (i = 0; i < N; ++i) square += v[i] * v[i];
-    return square;
+    return square[0] + square[1];
 }
 
 static rcac_real locate(const rcac_real *theta, rcac_real *delta, rcac_real *v) {
     int i;
     for (i = 0; i < N; ++i) delta[i] = theta[i] - rcac_center[i];
-    return substitute(delta, v);
+    return shares(delta, v);
 }
 
-/* P x with P = U D U'; a sum over a column runs in eight parts up to a multiple of eight. */
+/* n = L^{-T} v. */
+static void normal_to(const rcac_real *v, rcac_real *n) {
+    int i, j;
+    for (j = 0; j < N; ++j) {
+        rcac_real sum[4] = {0, 0, 0, 0};
+        for (i = j; i < N; ++i) sum[i % 4] += rcac_inverse[i * (i + 1) / 2 + j] * v[i];
+        n[j] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    }
+}
+
+/* P x with P = U D U'. */
 static void covariance_times(rcac_state *s, const rcac_real *x, rcac_real *product) {
-    int m, i, c;
+    int m, i;
     for (m = 0; m < N; ++m) {
         const rcac_real *U = column(s, m);
-        rcac_real part[8] = {0, 0, 0, 0, 0, 0, 0, 0}, sum;
-        const int own = m / 8 * 8;
-        for (i = 0; i < own; i += 8)
-            for (c = 0; c < 8; ++c) part[c] += U[i + c] * x[i + c];
-        sum = x[m] + (((part[0] + part[1]) + (part[2] + part[3])) +
-                      ((part[4] + part[5]) + (part[6] + part[7])));
-        for (i = own; i < m; ++i) sum += U[i] * x[i];
-        product[m] = s->D[m] * sum;
+        rcac_real sum[2] = {0, 0};
+        for (i = 0; i < m; ++i) sum[i % 2] += U[i] * x[i];
+        sum[m % 2] += x[m];
+        product[m] = (sum[0] + sum[1]) * s->D[m];
     }
-    for (m = 0; m < N; ++m) {
-        const rcac_real *U = column(s, m), weight = product[m];
-        for (i = 0; i < m; ++i) product[i] += U[i] * weight;
+    for (i = 0; i < N; ++i) {
+        rcac_real sum[4] = {0, 0, 0, 0};
+        sum[i % 4] += product[i];
+        for (m = i + 1; m < N; ++m) sum[m % 4] += column(s, m)[i] * product[m];
+        product[i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
     }
 }
 
 /* With n = M^{-1} delta the half-space n't <= (e^2 + limit) / 2 holds the ellipsoid, and the nearest
  * point of it in the metric of P is delta - P n (e^2 - limit) / (2 n'Pn): four times. */
 static rcac_real cut(rcac_state *s, rcac_real *delta, rcac_real *v, rcac_real square, rcac_real limit) {
-    rcac_real row[N], size, step;
-    int made, i, j;
+    rcac_real n[N], moved[N];
+    int made, i;
     for (made = 0; made < 4 && square > limit * (1 + RCAC_NUMBER(1e-6)); ++made) {
-        for (i = N; i-- > 0;) {
-            const rcac_real *L = rcac_factor + i * (i + 1) / 2;
-            v[i] *= L[i];
-            for (j = 0; j < i; ++j) v[j] -= L[j] * v[i];
-        }
-        covariance_times(s, v, row);
-        size = 0;
-        for (i = 0; i < N; ++i) size += v[i] * row[i];
-        step = (square - limit) / (2 * size);
-        if (!(size > 0) || !is_finite(step)) return square; /* rounding left P no metric */
-        for (i = 0; i < N; ++i) delta[i] -= step * row[i];
-        square = substitute(delta, v);
+        rcac_real size[2] = {0, 0}, step;
+        normal_to(v, n);
+        covariance_times(s, n, moved);
+        for (i = 0; i < N; ++i) size[i % 2] += n[i] * moved[i];
+        size[0] += size[1];
+        step = (square - limit) / (2 * size[0]);
+        /* Rounding left P no metric, or the numbers are beyond their range. */
+        if (!(size[0] > 0) || !is_finite(size[0]) || !is_finite(step)) return square;
+        for (i = 0; i < N; ++i) delta[i] -= step * moved[i];
+        square = shares(delta, v);
     }
     return square;
 }
 
 static void bound_in_ellipsoid(rcac_state *s) {
-    const rcac_real limit = rcac_radii[0] * rcac_radii[0], aim = rcac_radii[1];
-    rcac_real delta[N], moved[N], v[N], largest = 0, give = 1 - aim, scale = 0;
-    rcac_real square = locate(s->theta, moved, v);
-    int attempt, i;
+    const rcac_real limit = rcac_radii[0] * rcac_radii[0];
+    rcac_real delta[N], v[N], largest = 0, scale = 0;
+    rcac_real square = locate(s->theta, delta, v);
+    int i;
     if (square <= limit) return;
     ++s->bounded;
 #if RCAC_CARRY
     for (i = 0; i < N; ++i) s->carry[i] = 0;
 #endif
-    square = cut(s, moved, v, square, limit);
-    if (!is_finite(square)) { /* the direction alone */
+    if (is_finite(square)) {
+        square = cut(s, delta, v, square, limit);
+    } else { /* the direction alone */
         for (i = 0; i < N; ++i)
-            if (magnitude(moved[i]) > largest) largest = magnitude(moved[i]);
-        for (i = 0; i < N; ++i) moved[i] /= largest;
-        square = substitute(moved, v);
+            if (magnitude(delta[i]) > largest) largest = magnitude(delta[i]);
+        for (i = 0; i < N; ++i) delta[i] /= largest;
+        square = shares(delta, v);
     }
     if (is_finite(square)) {
-        scale = aim / RCAC_SQRT(square);
+        scale = rcac_radii[1] / RCAC_SQRT(square);
         if (scale > 1) scale = 1;
     }
-    for (attempt = 0; attempt < 8 && scale > 0; ++attempt) { /* with what rounding does to theta */
-        for (i = 0; i < N; ++i) s->theta[i] = rcac_center[i] + scale * moved[i];
-        if (locate(s->theta, delta, v) <= limit) return;
-        scale *= 1 - give;
-        give += give;
-    }
-    for (i = 0; i < N; ++i) s->theta[i] = rcac_center[i];
+    for (i = 0; i < N; ++i)
+        s->theta[i] = scale > 0 ? rcac_center[i] + scale * delta[i] : rcac_center[i];
 }
 #endif
 

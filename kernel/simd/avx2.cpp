@@ -4,6 +4,7 @@
 #include "simd/dispatch.hpp"
 #include "simd/lanes/loop.inl.hpp"
 #include "simd/lanes/ud.inl.hpp"
+#include "simd/triangular.inl.hpp"
 #include "simd/ud_rank_one.inl.hpp"
 
 namespace rcac {
@@ -16,6 +17,10 @@ const InstructionSet set_avx2{
     &avx2::lanes_measure,
     &avx2::lane_steps,
     &avx2::finite,
+    &avx2::transposed_times,
+    &avx2::times,
+    &avx2::dot,
+    &avx2::growth,
 };
 
 }  // namespace rcac

@@ -4,6 +4,7 @@
 #include "simd/dispatch.hpp"
 #include "simd/lanes/loop.inl.hpp"
 #include "simd/lanes/ud.inl.hpp"
+#include "simd/triangular.inl.hpp"
 #include "simd/ud_rank_one.inl.hpp"
 
 namespace rcac {
@@ -16,6 +17,10 @@ const InstructionSet set_avx512{
     &avx512::lanes_measure,
     &avx512::lane_steps,
     &avx512::finite,
+    &avx512::transposed_times,
+    &avx512::times,
+    &avx512::dot,
+    &avx512::growth,
 };
 
 }  // namespace rcac

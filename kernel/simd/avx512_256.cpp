@@ -4,6 +4,7 @@
 #include "simd/dispatch.hpp"
 #include "simd/lanes/loop.inl.hpp"
 #include "simd/lanes/ud.inl.hpp"
+#include "simd/triangular.inl.hpp"
 #include "simd/ud_rank_one.inl.hpp"
 
 namespace rcac {
@@ -16,6 +17,10 @@ const InstructionSet set_avx512_256{
     &avx512_256::lanes_measure,
     &avx512_256::lane_steps,
     &avx512_256::finite,
+    &avx512_256::transposed_times,
+    &avx512_256::times,
+    &avx512_256::dot,
+    &avx512_256::growth,
 };
 
 }  // namespace rcac

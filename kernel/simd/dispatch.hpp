@@ -29,6 +29,13 @@ struct InstructionSet {
     // Steps of whole closed loops in lock step, see lanes/arrays.hpp.
     std::size_t (*lane_steps)(LaneArrays& arrays, std::size_t count);
     bool (*finite)(const double* values, std::size_t count);
+    // With U upper triangular in tiles, see triangular.inl.hpp: y = U'x, which answers |y|^2; y = U x
+    // in place; x'y; and by how much |v|^2 grows at most from y to x.
+    double (*transposed_times)(std::size_t n, const double* U, const double* x, double* y);
+    void (*times)(std::size_t n, const double* U, const double* x, double* y);
+    double (*dot)(std::size_t n, const double* x, const double* y);
+    double (*growth)(std::size_t size, const double* reach, const double* n, const double* x,
+                     const double* y, double margin);
 };
 
 // Those that this processor runs, the one meant for it first and "plain" last.

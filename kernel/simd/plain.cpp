@@ -4,6 +4,7 @@
 #include "simd/dispatch.hpp"
 #include "simd/lanes/loop.inl.hpp"
 #include "simd/lanes/ud.inl.hpp"
+#include "simd/triangular.inl.hpp"
 #include "simd/ud_rank_one.inl.hpp"
 
 namespace rcac {
@@ -16,6 +17,10 @@ const InstructionSet set_plain{
     &plain::lanes_measure,
     &plain::lane_steps,
     &plain::finite,
+    &plain::transposed_times,
+    &plain::times,
+    &plain::dot,
+    &plain::growth,
 };
 
 }  // namespace rcac

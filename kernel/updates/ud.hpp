@@ -151,31 +151,11 @@ public:
         }
     }
 
-    // U (D (U' x)); a sum over a column runs in eight parts through the tiles above its own.
+    // U (D (U' x)).
     void covariance_times(const double* x, double* product) const override {
-        for (std::size_t m = 0; m < n_; ++m) {
-            const std::size_t J = m / tile_size * tile_size;
-            double parts[tile_size] = {};
-            for (std::size_t I = 0; I < J; I += tile_size) {
-                const double* column = U_.data() + place_in_tiles(I, m);
-                for (std::size_t i = 0; i < tile_size; ++i) parts[i] += column[i] * x[I + i];
-            }
-            double sum = x[m] + ((parts[0] + parts[1]) + (parts[2] + parts[3]) +
-                                 ((parts[4] + parts[5]) + (parts[6] + parts[7])));
-            const double* own = U_.data() + place_in_tiles(J, m);
-            for (std::size_t i = J; i < m; ++i) sum += own[i - J] * x[i];
-            product[m] = D_[m] * sum;
-        }
-        for (std::size_t m = 0; m < n_; ++m) {
-            const double weight = product[m];
-            const std::size_t J = m / tile_size * tile_size;
-            for (std::size_t I = 0; I < J; I += tile_size) {
-                const double* column = U_.data() + place_in_tiles(I, m);
-                for (std::size_t i = 0; i < tile_size; ++i) product[I + i] += column[i] * weight;
-            }
-            const double* own = U_.data() + place_in_tiles(J, m);
-            for (std::size_t i = J; i < m; ++i) product[i] += own[i - J] * weight;
-        }
+        instructions_->transposed_times(n_, U_.data(), x, product);
+        for (std::size_t j = 0; j < padded_to_tiles(n_); ++j) product[j] *= D_[j];
+        instructions_->times(n_, U_.data(), product, product);
     }
 
     // P = U D U'; a diagonal P costs nothing.

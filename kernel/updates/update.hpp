@@ -47,7 +47,7 @@ public:
     virtual void covariance(double* P) const = 0;
     // Column i of P(k), or of the metric in which a bound on theta is kept.
     virtual void covariance_column(std::size_t i, double* column) const = 0;
-    // P(k) x, in that metric.
+    // P(k) x, in that metric; both have padded_to_tiles(l_theta) entries, x zeros behind its own.
     virtual void covariance_times(const double* x, double* product) const = 0;
     // What is fitted beside theta: the coefficients d_1, d_2, ... of D_f, where there are any.
     virtual std::vector<double> also_fitted() const { return {}; }

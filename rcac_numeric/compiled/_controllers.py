@@ -26,7 +26,12 @@ from rcac_numeric.compiled._updates import (
     kernel_update,
     require_kind,
 )
-from rcac_numeric.controllers._bounds import CertifiedBounds, CoefficientBounds, kept_radii
+from rcac_numeric.controllers._bounds import (
+    CertifiedBounds,
+    CoefficientBounds,
+    inverse_factor,
+    kept_radii,
+)
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._joint import JointUD
@@ -298,7 +303,8 @@ def _additions(settings: ControllerSettings) -> dict[str, Any]:
     if (bounds := settings.bounds) is not None:
         if isinstance(bounds, CertifiedBounds):
             in_metric = not isinstance(settings.update, JointUD)
-            additions["ellipsoid"] = (bounds.center, bounds.factor, in_metric, *kept_radii(bounds))
+            inverse = inverse_factor(bounds)
+            additions["ellipsoid"] = (bounds.center, inverse, in_metric, *kept_radii(bounds))
         else:
             low, high = bounds.box(settings.structure)
             additions["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)

@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from typing import Literal, cast
 
 import attrs
+import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials._ball_precision import at_growing_precision
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import (
     array_like,
@@ -261,9 +263,11 @@ class CertifiedBounds(Value):
 def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, float]:
     """Return (limit, aim): the computed radius that proves the true one <= 1, and its set point.
 
-    By substitution it has an error of at most (2 l_theta + 4) u cond, cond the Frobenius norm of
-    abs(L^-1) abs(L), u = eps/2 (Higham 2002, theorem 8.5); twice that stays, so that any
-    other check of abs(v) <= 1 passes too. A projected theta is rounded to the nearest number.
+    L^-1 to the nearest numbers, the differences, the products and their sums in any order: at most
+    (2 l_theta + 4) u cond, cond the Frobenius norm of abs(L^-1) abs(L), u = eps/2 (Higham 2002,
+    section 3.1); the same holds for substitution. Twice that stays, so that any other check of
+    abs(v) <= 1 passes too. A projected theta is rounded to the nearest number; its computed radius
+    is at most the limit.
     """
     center, factor = bounds.center, bounds.factor
     size = len(center)
@@ -272,8 +276,26 @@ def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, f
         condition = float(np.linalg.norm(inverse @ np.abs(factor)))
         widths = np.linalg.norm(factor, axis=1)
         grain = float(np.linalg.norm(inverse @ (np.abs(center) + widths)))
-    limit = 1 - 2 * (size + 4) * eps * condition
-    return limit, limit - 2 * eps * grain
+    error = 2 * (size + 4) * eps * condition
+    return 1 - error, 1 - 2 * error - 2 * eps * grain
+
+
+def inverse_factor(bounds: CertifiedBounds) -> Array:
+    """Return factor^-1, each entry the nearest number."""
+    size, factor = len(bounds.center), bounds.factor
+
+    def attempt(_: int) -> Array | None:
+        try:
+            inverse = flint.arb_mat(size, size, factor.ravel().tolist()).inv()
+        except ZeroDivisionError:
+            return None
+        entries = inverse.entries()
+        radii = np.array([float(entry.rad()) for entry in entries]).reshape(size, size)
+        if not np.linalg.norm(np.tril(radii) @ np.abs(factor)) < 2.0**-60:  # of an error of 2^-53
+            return None
+        return np.tril(np.array([float(entry.mid()) for entry in entries]).reshape(size, size))
+
+    return at_growing_precision(attempt, 256, "the inverse of a factor of CertifiedBounds")
 
 
 def _substituted(L: Array, right: Array) -> Array:

@@ -197,14 +197,14 @@ def _define_tables(out: _Writer, t: CoreTables) -> None:
         out.numbers("least", t.bounds[0])
         out.numbers("most", t.bounds[1])
     if t.ellipsoid is not None:
-        center, factor, radii = ellipsoid_constants(t.ellipsoid, out.real)
+        center, inverse, radii = ellipsoid_constants(t.ellipsoid, out.real)
         if not t.ellipsoid.contains([float(out.real(v)) for v in t.theta_0]):
             raise InputError(
                 f"theta_0, rounded to {np.dtype(out.real)}, is outside the CertifiedBounds; start "
                 "inside, for example at theta_0 = center."
             )
         out.numbers("center", center)
-        out.numbers("factor", factor)
+        out.numbers("inverse", inverse)
         out.numbers("radii", radii)
     if t.supervision:
         out.numbers("windup", [t.supervision[0], t.supervision[1]])

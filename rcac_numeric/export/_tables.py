@@ -18,7 +18,7 @@ from rcac_numeric.arrays._validation import integer
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._controllers import kernel_arguments
 from rcac_numeric.compiled._updates import require_kind
-from rcac_numeric.controllers._bounds import CertifiedBounds, kept_radii
+from rcac_numeric.controllers._bounds import CertifiedBounds, inverse_factor, kept_radii
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
@@ -221,13 +221,12 @@ class CoreTables:
         filtered = len(self.channels) * block * taps
         inflated = len(self.noise) // n * (n * (n - 1) + 3 * n)
         divisions = self.rows * (2 * n + 1) + (n if self.forgets else 0) + len(self.noise) * 2
-        history = 0
-        if (
-            self.ellipsoid is not None
-        ):  # where theta is outside: four cuts, and a look at the result
+        projection = 0
+        if self.ellipsoid is not None:  # where theta is outside: four cuts
             look = n * (n + 1) // 2 + 2 * n
-            history, divisions = 2 * look + 4 * (n * n + 2 * look), divisions + 6
-        return control + filtered + self.rows * (row + whitened) + inflated + history, divisions
+            projection, divisions = look + 4 * (n * n + 2 * look) + n, divisions + 5
+        step = self.rows * (row + whitened) + inflated + projection
+        return control + filtered + step, divisions
 
     def stack(self, real: str) -> int:
         """Bytes of the stack that a step takes, about: its arrays, and what calls and registers do.
@@ -282,8 +281,10 @@ def core_tables(
     if saturation is not None:
         require_kind(saturation, "saturation", (Saturation,), "export")
     bounds_of_u = saturation.bounds(arguments["l_u"]) if saturation else ((), (), ())
+    bounds = controller.bounds if isinstance(controller, ControllerSettings) else None
     tables = _read(arguments, live_order, {
-        "what": subject, "adapts": adapts, "measures_first": measures_first,
+        "what": subject, "ellipsoid": bounds if isinstance(bounds, CertifiedBounds) else None,
+        "adapts": adapts, "measures_first": measures_first,
         "strictly_proper": strictly_proper,
         "low": _numbers(bounds_of_u[0]), "high": _numbers(bounds_of_u[1]),
         "rate": _numbers(bounds_of_u[2]),
@@ -342,9 +343,6 @@ def _read(arguments: dict[str, Any], live_order: int | None, more: dict[str, Any
         bounds=None
         if not len(low)
         else (_numbers(low), _numbers(high), int(sweeps) if in_metric else 0),
-        ellipsoid=CertifiedBounds(*arguments["ellipsoid"][:2])
-        if "ellipsoid" in arguments
-        else None,
         past_v=_numbers(past_v),
         past_e=_numbers(past_e),
         lambda_=float(lambda_),
@@ -397,27 +395,22 @@ LEAST_KEPT = 0.9  # share of the radius that the core may lose to its numbers
 
 
 def ellipsoid_constants(bounds: CertifiedBounds, real: type) -> tuple[Numbers, Numbers, Numbers]:
-    """Return center, factor and (limit, aim) of an ellipsoid in the numbers of the core.
+    """Return center, factor^-1 and (limit, aim) of an ellipsoid in the numbers of the core.
 
-    The factor is packed row by row, with the inverse of its diagonal. In float32 center and factor
-    are rounded, and the rounded ellipsoid is smaller by the share that keeps it in the exact one.
+    factor^-1 is packed row by row. In float32 the radius has the errors of float32, and the limit
+    is smaller by the radius at which the rounded center lies.
     """
     center: Any = bounds.center.astype(real)
-    factor: Any = bounds.factor.astype(real)
-    rows = [np.append(row[:i], 1 / row[i]) for i, row in enumerate(factor)]
-    share = 1.0
-    if real is not np.float64:
-        moved = float(bounds.radius_of(center.astype(np.float64)))
-        mapped = np.linalg.solve(bounds.factor, factor.astype(np.float64))
-        share = (1 - moved) / float(np.linalg.norm(mapped, 2))
-        bounds = CertifiedBounds(center, factor)
+    rows: Any = inverse_factor(bounds).astype(real)
+    packed = np.concatenate([row[: i + 1] for i, row in enumerate(rows)])
+    share = 1 - float(bounds.radius_of(center.astype(np.float64)))
     limit, aim = (share * radius for radius in kept_radii(bounds, float(np.finfo(real).eps)))
     if not aim >= LEAST_KEPT:
         raise InputError(
             f"{np.dtype(real)} keeps {max(aim, 0):.2g} of the radius of CertifiedBounds, and "
             f'{LEAST_KEPT} is needed: its axes are too unequal. Export with real = "float64".'
         )
-    return _numbers(center), _numbers(np.concatenate(rows)), (limit, aim)
+    return _numbers(center), _numbers(packed), (limit, aim)
 
 
 def whitening(tables: CoreTables) -> tuple[Numbers, Numbers]:

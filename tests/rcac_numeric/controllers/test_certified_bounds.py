@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 import rcac_numeric as rn
 from compensator_theory.errors import InputError
-from rcac_numeric.controllers._bounds import kept_radii
-from tests.support.ellipsoids import ellipsoid, exact_square
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.controllers._bounds import inverse_factor, kept_radii
+from tests.support.ellipsoids import ellipsoid, exact_square, rational
 from tests.support.signals import noise
 from tests.support.strategies import seeds
 
@@ -70,6 +71,14 @@ def test_what_is_inside_stays_the_same_bits(update):
         assert getattr(run, name).tobytes() == getattr(plain, name).tobytes()
 
 
+@given(seeds, st.integers(1, 9), st.sampled_from([1, 1e6, 1e12]))
+def test_the_inverse_of_the_factor_has_the_nearest_numbers(seed, size, spread):
+    bounds = ellipsoid(seed, size, spread=spread)
+    exact = rational(bounds.factor).inv().entries()
+    for value, entry in zip(inverse_factor(bounds).ravel(), exact, strict=True):
+        assert value == int(entry.p) / int(entry.q)
+
+
 def nearest(theta, P, bounds):
     """The minimiser of (t - theta)' P^-1 (t - theta) in the ellipsoid, by its multiplier."""
     inverse = np.linalg.inv(bounds.factor)
@@ -113,18 +122,19 @@ def test_the_cuts_bring_theta_nearer_to_the_nearest_point_in_the_metric_of_P(see
 
 
 @pytest.mark.parametrize("update", ["ud", "covariance", "instantaneous", "gradient"])
-@pytest.mark.parametrize("n_c", [1, 2, 3])
-def test_the_reference_in_ball_arithmetic_projects_the_same(update, n_c):
+@pytest.mark.parametrize("n_c", [1, 2, 3, 5])
+def test_every_instruction_set_projects_as_ball_arithmetic_does(update, n_c, monkeypatch):
     for seed in range(3):
         settings = kept(seed, n_c, update)
         w = noise(seed, 20, 1)
-        run, exact = (
-            simulate(PLANT, settings, w) for simulate in (rn.simulate, rn.simulate_reference)
-        )
-        assert run.bounded > 0
+        exact = rn.simulate_reference(PLANT, settings, w)
         size = max(1.0, np.abs(exact.u).max())
-        assert np.abs(run.theta - exact.theta).max() <= 1e-10 * size
-        assert np.abs(run.u - exact.u).max() <= 1e-10 * size
+        for name in _kernel.instruction_sets():
+            monkeypatch.setenv("RCAC_INSTRUCTION_SET", name)
+            run = rn.simulate(PLANT, settings, w)
+            assert run.bounded > 0
+            assert np.abs(run.theta - exact.theta).max() <= 1e-10 * size
+            assert np.abs(run.u - exact.u).max() <= 1e-10 * size
 
 
 def test_a_theta_beyond_float64_comes_back_along_its_direction():
@@ -200,11 +210,13 @@ def test_batches_with_other_numbers_are_the_single_runs():
     ]
     single = [rn.simulate(case.plant, case.settings, case.w) for case in cases]
     assert all(run.bounded for run in single)
-    for lanes in (False, True):
-        assert rn.simulate_many(cases, lanes=lanes) == single
+    in_lanes = rn.simulate_many(cases, lanes=True)
+    assert rn.simulate_many(cases) == single
+    for runs, lanes in ((single, False), (in_lanes, True)):
         stream = rn.simulate_stream(cases, reduce=lambda _, run: run.theta.tobytes(), lanes=lanes)
         for result in stream:  # as they end
-            assert result.value == single[result.number].theta.tobytes()
+            assert result.value == runs[result.number].theta.tobytes()
+    assert all(run.bounded and bounds.contains(run.theta) for run in in_lanes)
 
 
 @pytest.mark.parametrize("past", ["keep", "reset", "blend", "replay"])
