@@ -28,7 +28,7 @@ inline bool fits_lanes(Loop& loop) {
         c.frozen() || c.stopped() || c.supervisor().acts() || c.has_limits() ||
         plan.dither.is_on() || c.has_left_its_plan() || !plan.events.empty() || !plan.noise.empty() ||
         c.rows().penalises() || plan.normalization.function != Normalization::none ||
-        plan.bounds.are_there() || !plan.fixed.past_e.empty() || plan.R_z.nu != 0.0 ||
+        !plan.bounds.low.empty() || !plan.fixed.past_e.empty() || plan.R_z.nu != 0.0 ||
         plan.R_u.nu != 0.0 || !plan.structure.derived.empty() || plan.forgetting.long_window > 0 ||
         plan.reset.every > 0 || plan.reset.trace_below > 0.0 || plan.reset.growth > 0.0 ||
         plan.k_filter > 0 || plan.targets.size() > 1)
@@ -69,6 +69,7 @@ inline std::vector<std::int64_t> lane_key(Loop& loop) {
     key.push_back(is_recursive(plan.targets.front()));
     key.push_back(!plan.R_z.is_constant() || !plan.R_u.is_constant());
     key.push_back(c.lambda() != 1.0);
+    key.push_back(plan.bounds.are_there());
     for (const std::vector<Tap>* taps : {&s.regressor, &s.channels, &s.filtered})
         for (const Tap& tap : *taps) {
             key.push_back(static_cast<std::int64_t>(tap.source));

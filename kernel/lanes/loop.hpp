@@ -16,6 +16,13 @@ public:
         u_.assign(lane_rows * a_.l_u * lanes, 0.0);
         y_.assign(lane_rows * a_.l_y * lanes, 0.0);
         z_.assign(lane_rows * a_.l_z * lanes, 0.0);
+        a_.owner = this;
+        a_.bound = [](void* owner, unsigned others) {
+            auto& self = *static_cast<LaneLoop*>(owner);
+            for (std::size_t i = 0; i < self.jobs_.size(); ++i)
+                if (others >> i & 1u && self.jobs_[i])
+                    self.state_.bound(i, *self.jobs_[i]->loop->controllers().front());
+        };
         a_.w = w_.data(), a_.u = u_.data(), a_.y = y_.data(), a_.z = z_.data();
         for (std::size_t i = 0; i < jobs_.size(); ++i) first_[i] = jobs_[i]->done;
     }
@@ -47,7 +54,7 @@ private:
             const std::int64_t stride = jobs_[i]->record.stride;
             count = std::min({count, jobs_[i]->steps - jobs_[i]->done,
                               stride - jobs_[i]->done % stride});
-            if (a_.forgets)
+            if (a_.forgets || a_.reach)
                 count = std::min(count, Supervisor::interval - steps_of(i) % Supervisor::interval);
         }
         return any ? static_cast<std::size_t>(count) : 0;
@@ -58,10 +65,14 @@ private:
         return job.loop->controllers().front()->step() + job.done - first_[lane];
     }
 
-    // What a supervised controller sees of P; without forgetting nothing of it grows.
+    // What a supervised controller sees of an ellipsoid and of P; without forgetting nothing of P grows.
     void watch(std::size_t lane) {
         Controller& c = *jobs_[lane]->loop->controllers().front();
-        if (!a_.forgets || !c.supervisor().is_on() || !Supervisor::is_due(steps_of(lane))) return;
+        if (!c.supervisor().is_on() || !Supervisor::is_due(steps_of(lane))) return;
+        if (a_.reach)
+            c.supervisor().see_radius(
+                c.ellipsoid().radius(LaneState::taken(a_.theta, a_.factors.n, lane)));
+        if (!a_.forgets) return;
         auto& ud = dynamic_cast<UdUpdate&>(c.update());
         for (std::size_t j = 0; j < ud.l_theta(); ++j) ud.d(j) = a_.factors.D[j * lanes + lane];
         c.supervisor().is_wound_up(ud, steps_of(lane) - 1);

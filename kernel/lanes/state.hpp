@@ -53,6 +53,10 @@ public:
         a.W = zeros(W_, 1), a.W_moves = zeros(W_moves_, 1);
         a.root = zeros(root_, a.l_z * a.l_z), a.whitened = zeros(whitened_, a.l_z * a.l_z);
         a.threshold = zeros(threshold_, 1);
+        if (c.ellipsoid().is_there())
+            a.reach = zeros(reach_, l_theta), a.near = zeros(near_, l_theta),
+            a.normal = zeros(normal_, l_theta), a.margin = zeros(margin_, 1),
+            a.slack = zeros(slack_, 1);
         for (std::size_t lane = 0; lane < lanes; ++lane) clear(lane);
     }
     LaneState(const LaneState&) = delete;
@@ -75,6 +79,11 @@ public:
                 denominator_[(b * length + i) * lanes + lane] = target.denominator[i * D + b];
         }
         factors_.load(lane, dynamic_cast<UdUpdate&>(c.update()));
+        if (a.reach) {
+            put(c.ellipsoid().reach(), lane, reach_);
+            margin_[lane] = c.ellipsoid().margin();
+            look(lane, c.ellipsoid());
+        }
         load_weights(lane, c);
         const double limit = std::min(loop.options().limit, 1e150);
         threshold_[lane] = limit * limit * (1.0 - 1e-9);
@@ -94,10 +103,23 @@ public:
         dynamic_cast<LinearPlant&>(loop.plant()).has_stepped(steps, taken(a.x, a.n, lane));
     }
 
+    // Moves theta(k+1) of this lane into the ellipsoid, as the run's own controller does.
+    void bound(std::size_t lane, Controller& c) {
+        for (std::size_t j = 0; j < c.theta().size(); ++j) c.theta()[j] = a.theta[j * lanes + lane];
+        if (!finite(c.theta().data(), c.theta().size())) return;  // the end of the run
+        if (!c.keeps_bounds()) {
+            factors_.store(lane, dynamic_cast<UdUpdate&>(c.update()));
+            c.move_into_bounds();
+            put(c.theta(), lane, a.theta);
+        }
+        look(lane, c.ellipsoid());
+    }
+
     void clear(std::size_t lane) {
         for (AlignedVector* v : {&signals_, &inputs_, &outputs_, &plant_, &x_, &x_next_, &numerator_,
                                  &denominator_, &theta_, &theta_next_, &row_, &gain_, &share_, &R_z_,
-                                 &R_z_moves_, &W_moves_, &root_, &whitened_, &target_})
+                                 &R_z_moves_, &W_moves_, &root_, &whitened_, &target_, &reach_, &near_,
+                                 &normal_, &margin_, &slack_})
             for (std::size_t i = lane; i < v->size(); i += lanes) (*v)[i] = 0.0;
         for (AlignedVector* v : {&r_, &W_, &lambda_, &inverse_lambda_, &threshold_}) (*v)[lane] = 1.0;
         factors_.clear(lane);
@@ -112,6 +134,12 @@ public:
     LaneArrays a{};
 
 private:
+    void look(std::size_t lane, const Ellipsoid& ellipsoid) {
+        put(ellipsoid.near(), lane, near_);
+        for (std::size_t j = 0; j < ellipsoid.near().size(); ++j)
+            normal_[j * lanes + lane] = ellipsoid.normal()[j];
+        slack_[lane] = ellipsoid.slack();
+    }
     static std::size_t steps_until(std::int64_t step, const Controller& c) {
         return static_cast<std::size_t>(std::max<std::int64_t>(step - c.step(), 0));
     }
@@ -189,7 +217,7 @@ private:
     std::vector<std::size_t> regressor_, channel_, filtered_;
     AlignedVector signals_, inputs_, outputs_, plant_, x_, x_next_, numerator_, denominator_, theta_,
         theta_next_, row_, gain_, alpha_, target_, r_, share_, lambda_, inverse_lambda_, R_z_,
-        R_z_moves_, W_, W_moves_, root_, whitened_, threshold_;
+        R_z_moves_, W_, W_moves_, root_, whitened_, threshold_, reach_, near_, normal_, margin_, slack_;
 };
 
 }  // namespace rcac

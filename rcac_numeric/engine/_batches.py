@@ -85,11 +85,12 @@ def simulate_many(
 
         Eligible is: one controller with ``update = UD(R_theta, lambda_)``, a number each, in the
         predictor form, without process_noise, reset, stop_where_unsupported, freeze,
-        target_changes, reflect_poles, R_u_unfiltered, z_normalization, bounds and fixed,
-        k_filter = 0, no derived signals (PID, integrators), l_z <= 3; R_z and R_u constant or, for
-        l_z = 1, a `SignalWeight` without nu, their sum for l_z = 1 between 1e-100 and 1e100; a
-        plant of constant matrices without delay; no saturation. All other cases give what
-        `simulate` gives, bit for bit.
+        target_changes, reflect_poles, R_u_unfiltered, z_normalization, fixed and
+        `CoefficientBounds`, k_filter = 0, no derived signals (PID, integrators), l_z <= 3; R_z and
+        R_u constant or, for l_z = 1, a `SignalWeight` without nu, their sum for l_z = 1 between
+        1e-100 and 1e100; a plant of constant matrices without delay; no saturation. All other
+        cases give what `simulate` gives, bit for bit. With `CertifiedBounds` each run makes its
+        projections alone: where most steps project, lanes save no time.
 
     Raises
     ------

@@ -48,6 +48,13 @@ struct LaneArrays {
     // l_z > 1: L of W = L L' and L^{-1} R_z, both l_z x l_z; the variance is lambda.
     const double *root, *whitened;
 
+    // Every lane's theta is kept in an ellipsoid, see Ellipsoid::contains: while |v|^2 has grown by at
+    // most the slack since `near` it is inside, and `bound` is called for the other lanes, bit k for
+    // lane k.
+    const double *reach, *near, *normal, *margin, *slack;  // null: none
+    void (*bound)(void* owner, unsigned lanes);
+    void* owner;
+
     // Sums of squares below this prove that a lane is within its limit.
     const double* threshold;
 

@@ -101,6 +101,22 @@ RCAC_INLINE Lanes lane_squares(const double* values, std::size_t count, Lanes su
     return sum;
 }
 
+// What every update ends with where theta is kept in an ellipsoid; it is rare that a lane needs more.
+inline void lane_bounds(const LaneArrays& a) {
+    Lanes sum = zeros(), along = zeros();
+    for (std::size_t j = 0; j < a.factors.n; ++j) {
+        const Lanes moved = lanes_of(a.theta + j * lanes) - lanes_of(a.near + j * lanes);
+        sum = sum + lanes_of(a.reach + j * lanes) * larger_size(moved, zeros());
+        along = along + lanes_of(a.normal + j * lanes) * moved;
+    }
+    alignas(64) double growth[lanes];
+    keep(growth, (along + along) + sum * (sum + lanes_of(a.margin)));
+    unsigned others = 0;
+    for (unsigned i = 0; i < lanes; ++i)
+        if (!(growth[i] <= a.slack[i])) others |= 1u << i;
+    if (others) a.bound(a.owner, others);
+}
+
 // At most `count` steps, fewer where the last one raised the alarm; how many.
 inline std::size_t lane_steps(LaneArrays& a, std::size_t count) {
     const double* w = a.w;
@@ -143,6 +159,7 @@ inline std::size_t lane_steps(LaneArrays& a, std::size_t count) {
         if (a.updated) {
             lane_update(a, z, screen);
             for (std::size_t r = 0; r < a.l_z; ++r) any_lost |= a.lost[r];
+            if (a.reach) lane_bounds(a);
         } else {
             --a.until_update;
             screen = lane_squares(a.theta, a.factors.n, screen);

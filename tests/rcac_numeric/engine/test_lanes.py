@@ -13,6 +13,7 @@ from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.compiled import _kernel
 from rcac_numeric.plants._linear import MATRICES
 from tests.support.comparisons import identical, same
+from tests.support.ellipsoids import ellipsoid, exact_square
 from tests.support.engine_cases import engine_plants, settings_for, structures
 from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments, ready_run
 from tests.support.signals import white
@@ -32,6 +33,7 @@ def batches(draw, most=10):
         weights = {"R_u": rn.SignalWeight(0.1, 0.5), "R_z": rn.SignalWeight(1.0, 0.2)}
     common = draw(settings_for(structure, l_z, k_filter=0, **weights))
     n, rng = draw(st.integers(1, 3)), np.random.default_rng(draw(seeds))
+    widths = draw(st.sampled_from([(None,), (None, 0.3), (0.02, 0.3, 100.0)]))
     cases = []
     for _ in range(draw(st.integers(1, most))):
         plant = draw(engine_plants(l_u, l_y, l_z, structure.l_r, n))
@@ -39,13 +41,17 @@ def batches(draw, most=10):
             plant = replace(
                 plant, D_0=rng.standard_normal((l_y, l_u)) / 4, E_2=rng.standard_normal((l_z, l_u))
             )
+        theta_0, bounds = 0.1 * rng.standard_normal(structure.l_theta), None
+        if (width := draw(st.sampled_from(widths))) is not None:
+            bounds = ellipsoid(draw(seeds), structure.l_theta, width=width, center=theta_0)
         settings = replace(
             common,
+            bounds=bounds,
             update=rn.UD(
                 R_theta=common.update.R_theta * 10 ** rng.uniform(-1, 1),
                 lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
             ),
-            theta_0=0.1 * rng.standard_normal(structure.l_theta),
+            theta_0=theta_0,
             target=rn.TargetModel(
                 np.asarray(common.target.numerator) * rng.uniform(0.5, 1),
                 common.target.denominator,
@@ -61,10 +67,17 @@ def perturbed(case, rng, relative):
     """The case with every number that it begins with moved by about `relative` of its size."""
     move = lambda a: a * (1 + relative * rng.choice([-1.0, 1.0], np.shape(a)))  # noqa: E731
     matrices = {name: move(getattr(case.plant, name)) for name in MATRICES}
-    update = case.settings.update
+    update, theta_0, bounds = (
+        case.settings.update,
+        move(case.settings.theta_0),
+        case.settings.bounds,
+    )
+    if bounds is not None:
+        bounds = rn.CertifiedBounds(theta_0, move(bounds.factor))
     settings = replace(
         case.settings,
-        theta_0=move(case.settings.theta_0),
+        theta_0=theta_0,
+        bounds=bounds,
         update=attrs.evolve(update, R_theta=update.R_theta * move(1.0)),
     )
     options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
@@ -124,7 +137,7 @@ def test_a_case_is_the_same_in_any_company(data, cases, threads, seed):
         for case in cases[:3]
         for change in (
             {"update": rn.UD(R_theta=1e-25)},
-            {"theta_0": 1e3 * np.ones_like(case.settings.theta_0)},
+            {"bounds": None, "theta_0": 1e3 * np.ones_like(case.settings.theta_0)},
         )
     ]
     everything = [*cases, *wild]
@@ -164,6 +177,31 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
         if bounds:
             assert np.abs(mixed.z - single.z[cut:]).max(initial=0) <= bounds["z"]
             assert np.abs(mixed.theta_final - single.theta_final).max() <= bounds["theta_final"]
+
+
+@pytest.mark.parametrize("instruction_set", _kernel.instruction_sets())
+@pytest.mark.parametrize("n_c", [1, 4, 5, 10])
+def test_no_theta_leaves_its_ellipsoid_in_lanes(instruction_set, n_c):
+    """Of eleven runs, so that lanes stay idle; some project often, some never."""
+    cases, size = [], 2 * n_c
+    for seed in range(11):
+        bounds = ellipsoid(seed, size, width=[0.01, 0.1, 1e3][seed % 3], center=np.zeros(size))
+        settings = rn.ControllerSettings(
+            structure=rn.iir(n_c), target=GOOD.target, bounds=bounds,
+            update=rn.UD(1e-4, lambda_=0.999),
+        )  # fmt: skip
+        cases.append(rn.SimulationCase(PLANT, settings, white(60 + seed, seed)))
+    prepared = [ready_run(**arguments(case), supervision=rn.Supervision()) for case in cases]
+    while _kernel.run_jobs([one.job for one in prepared], 1, 1e-5, True, instruction_set):
+        pass
+    for case, one in zip(cases, prepared, strict=True):
+        run, alone = one.result(), rn.simulate(**arguments(case), supervision=rn.Supervision())
+        bounds = case.settings.bounds
+        assert all(exact_square(bounds, theta) <= 1 for theta in run.theta)
+        looks = bounds.radius_of(np.vstack([run.theta, run.theta_final])[16::16])
+        assert run.supervision.radius == pytest.approx(looks.max(), rel=1e-9)
+        assert (run.bounded > 0) == (alone.bounded > 0) == (bounds.factor[0, 0] < 1)
+        assert_close(run, alone, uncertainty(case, alone))
 
 
 @pytest.mark.costly
