@@ -90,7 +90,8 @@ def simulate_many(
         R_u constant or, for l_z = 1, a `SignalWeight` without nu, their sum for l_z = 1 between
         1e-100 and 1e100; a plant of constant matrices without delay; no saturation. All other
         cases give what `simulate` gives, bit for bit. With `CertifiedBounds` each run makes its
-        projections alone: where most steps project, lanes save no time.
+        projections alone: where 30 % of the steps project, lanes are 1.6 times as fast for
+        l_theta = 8, 1.2 for 20 and 0.8 for 40 (benchmarks/kept_inside.py).
 
     Raises
     ------
