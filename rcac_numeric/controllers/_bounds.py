@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from typing import Literal, cast
 
 import attrs
-import flint
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._ball_precision import at_growing_precision
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import (
     array_like,
@@ -282,6 +280,11 @@ def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, f
 
 def inverse_factor(bounds: CertifiedBounds) -> Array:
     """Return factor^-1, each entry the nearest number."""
+    # Late: a controller without such bounds loads nothing of the exact half.
+    import flint
+
+    from compensator_theory.polynomials._ball_precision import at_growing_precision
+
     size, factor = len(bounds.center), bounds.factor
 
     def attempt(_: int) -> Array | None:
