@@ -32,7 +32,7 @@ from rcac_experiments.tuning._tuning import Tuned, tune
 from rcac_numeric.checks._logs import ControllerLog, read_log
 from rcac_numeric.controllers._kinds import fir, fir_integrator, pid
 from rcac_numeric.controllers._structure import Structure
-from rcac_numeric.designing._design import Design
+from rcac_numeric.designing._design import KEPT, Design
 from rcac_numeric.designing._design import design as designed
 from rcac_numeric.designing._plants import Uncertainty, read_plant
 from rcac_numeric.reports._design import design_sheet
@@ -77,6 +77,8 @@ PLANT = (
                  "Default: IIR, of the order that the plant requires."),
     click.option("--feedforward", is_flag=True,
                  help="Feed the command to the controller."),
+    click.option("--kept", type=click.Choice(KEPT), default="box", show_default=True,
+                 help="Keep the coefficients in a box, or in a set with a stability proof."),
     click.option("--assume", is_flag=True,
                  help="Assume defaults for missing options, without a question; the report names "
                       "them."),
@@ -162,11 +164,11 @@ def _status(result: Design) -> int:
 def _known(
     *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
     u_limits: str | None, sample_time: float | None, dead_time: str, structure: str | None,
-    feedforward: bool, assume: bool, names: str, columns: str, time: str | None,
+    feedforward: bool, kept: str, assume: bool, names: str, columns: str, time: str | None,
     resample: float | None, transpose: bool, **uncertain: Any,
 ) -> dict[str, Any]:  # fmt: skip
     """Return the arguments of `design`; ask for the missing ones."""
-    known: dict[str, Any] = {"sample_time": sample_time, "feedforward": feedforward}
+    known: dict[str, Any] = {"sample_time": sample_time, "feedforward": feedforward, "kept": kept}
     known["structure"] = None if structure is None else _structure(structure)
     known["uncertainty"] = _uncertainty(**uncertain)
     if is_transfer_function(plant):

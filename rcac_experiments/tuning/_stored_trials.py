@@ -15,7 +15,14 @@ from rcac_experiments.sweeps._study import Study
 from rcac_experiments.sweeps._sweep import run_study
 from rcac_experiments.sweeps._table import table_in
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
-from rcac_numeric.designing._trials import Trial, Trials, largest_error, sensitivity, whole_rms
+from rcac_numeric.designing._trials import (
+    Trial,
+    Trials,
+    largest_error,
+    sensitivity,
+    used_radius,
+    whole_rms,
+)
 
 
 def stored(
@@ -40,7 +47,7 @@ def stored(
             Axis("plant", list(range(len(trials.variations)))),
             Axis("seed", list(range(trials.first, trials.first + trials.seeds))),
         ],
-        [Metric(rms), Metric(peak), Metric(Ms)],
+        [Metric(rms), Metric(peak), Metric(Ms), Metric(radius)],
         lanes=False,
         title="Trials of a design",
     )
@@ -52,7 +59,7 @@ def stored(
             f"{table.failures} of {trials.runs} runs in {store} failed, the first because "
             f"{table.failed['failure'][0]!s}. The same call runs them again."
         )
-    columns = (table[name].tolist() for name in ("rms", "peak", "Ms"))
+    columns = (table[name].tolist() for name in ("rms", "peak", "Ms", "radius"))
     return trials.of(zip(*columns, strict=True))
 
 
@@ -69,3 +76,8 @@ def peak(r: LoopAnalysis) -> float:
 def Ms(r: LoopAnalysis) -> float:
     """As `sensitivity`."""
     return sensitivity(r.run)
+
+
+def radius(r: LoopAnalysis) -> float:
+    """As `used_radius`."""
+    return used_radius(r.run)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 from scipy.stats import qmc
 
@@ -21,6 +22,7 @@ from rcac_experiments.sweeps._folder import STUDY
 from rcac_experiments.sweeps._pools import InProcess, WorkerPool
 from rcac_experiments.sweeps._progress import Progress
 from rcac_experiments.tuning._stored_trials import stored
+from rcac_numeric.analysis._certified_set import CertifiedSet
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._files import member
 from rcac_numeric.arrays._seeds import JUDGING
@@ -42,13 +44,15 @@ from rcac_numeric.designing._expected import KINDS
 from rcac_numeric.designing._plants import DesignPlant, Uncertainty, Variation, continuous_of
 from rcac_numeric.designing._plants import variations as corners
 from rcac_numeric.designing._reference import LEARNING
-from rcac_numeric.designing._trials import FIXED, RCAC, Trial, Trials
+from rcac_numeric.designing._trials import BOXED, FIXED, RCAC, Trial, Trials
 from rcac_numeric.engine._compatibility import AnyController
 from rcac_numeric.engine._simulation import simulate
 
 RULE = "rule"
+BOX_RUNS = "held-out-box"  # the chosen settings in a box instead of the certified set
 # The unit cube's edges: the base-10 logarithms of N_0, nu, width and 1 - lambda; the spare order.
 SAMPLES, NU, WIDTH, FORGETTING, SPARE = (1.0, 5.5), (-1.5, 1.0), (-1.5, 0.3), (-5.0, -2.5), 3
+WEAKEST = 1e-3  # of the default N_0, where a certified set keeps theta
 HALF = 0.5  # share of the points with lambda = 1
 SURVIVORS = 0.5  # share of candidates for the next round, with twice the draws
 ROUNDS = 4
@@ -176,6 +180,11 @@ def tune(
     of these runs than it saves, or saves none and has a higher rms, the rule's settings are
     returned. This last choice uses the test plants, so that their result is slightly optimistic.
 
+    Where a certified set keeps RCAC (`design(..., kept="certified")`), it keeps every candidate,
+    with a prior of down to a thousandth of the default one; width and spare order stay. The test
+    plants, of which several parameters differ at once, are not of its proof. The chosen settings
+    are run in the box of the design, too.
+
     Parameters
     ----------
     design : Design
@@ -228,14 +237,17 @@ def tune(
     integer(held_out, "held_out", at_least=1)
     integer(seeds, "seeds", at_least=1)
     steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
-    knobs = {RULE: TuningParameters()} | {
-        str(i + 1): one for i, one in enumerate(_points(budget, seed))
-    }
-    if design.reference.structure is not None:  # its order is fixed by the user
+    is_certified = isinstance(design.certified, CertifiedSet)
+    rule = TuningParameters()
+    weakest = WEAKEST * rule.worth(design.expected) if is_certified else None
+    knobs = {RULE: rule} | {str(i + 1): one for i, one in enumerate(_points(budget, seed, weakest))}
+    if is_certified or design.reference.structure is not None:  # of the set, or of the user
         knobs = {name: replace(one, spare=0) for name, one in knobs.items()}
+    if is_certified:
+        knobs = {name: replace(one, width=rule.width) for name, one in knobs.items()}
     settings_by_name: dict[str, AnyController] = {FIXED: design.fixed}
     for name, one in knobs.items():
-        settings_by_name[name] = settings_of(design.model, design.reference, design.expected, one)
+        settings_by_name[name] = _settings(design, one)
     with _runner(store, workers, executor, progress) as runner:
         candidates, chosen = _halved(design, settings_by_name, knobs, steps, runner)
         return _judged(
@@ -292,21 +304,30 @@ def _runner(
         local_pool.shutdown()
 
 
-def _points(budget: int, seed: int) -> list[TuningParameters]:
-    """Return Sobol points of the tuning parameters."""
+def _settings(design: Design, knobs: TuningParameters) -> ControllerSettings:
+    """Return the settings of tuning parameters, kept in the certified set of the design."""
+    settings = settings_of(design.model, design.reference, design.expected, knobs)
+    if isinstance(design.certified, CertifiedSet):
+        return attrs.evolve(settings, bounds=design.certified.bounds)
+    return settings
+
+
+def _points(budget: int, seed: int, weakest: float | None = None) -> list[TuningParameters]:
+    """Return Sobol points of the tuning parameters, N_0 from `weakest` on."""
     sobol = qmc.Sobol(5, rng=np.random.default_rng([seed, 5]))
     points = sobol.random_base2(int(np.ceil(np.log2(budget))))[:budget]
-    return [_knobs(point) for point in points]
+    least = SAMPLES[0] if weakest is None else float(np.log10(weakest))
+    return [_knobs(point, (least, SAMPLES[1])) for point in points]
 
 
-def _knobs(point: Array) -> TuningParameters:
+def _knobs(point: Array, samples_range: tuple[float, float]) -> TuningParameters:
     def between(x: float, low: float, high: float) -> float:
         return float(10 ** (low + x * (high - low)))
 
     samples, nu, width, forgets, spare = point
     rate = between((forgets - HALF) / (1 - HALF), *FORGETTING)
     return TuningParameters(
-        samples=between(samples, *SAMPLES), nu=between(nu, *NU), width=between(width, *WIDTH),
+        samples=between(samples, *samples_range), nu=between(nu, *NU), width=between(width, *WIDTH),
         spare=int(spare * (SPARE + 1)), forgetting=1.0 if forgets < HALF else 1 - rate,
     )  # fmt: skip
 
@@ -401,11 +422,15 @@ def _judged(
         others = [one for one in trials if one.controller != RCAC]
         trials = (*(replace(one, controller=RCAC) for one in rule), *others)
     assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
+    if isinstance(design.certified, CertifiedSet):
+        boxed = settings_of(design.model, design.reference, design.expected, chosen.knobs)
+        trials += runner(BOX_RUNS, replace(judging, controllers={BOXED: boxed}))
     evidence = tuple(one for one in trials if one.controller != RULE)
     nominal = replace(judging, controllers={RCAC: settings, FIXED: design.fixed})
     w = design.expected.w(design.steps, JUDGING)
     run = simulate(design.plant, settings, w, saturation=design.saturation)
-    reasons = reasons_of(design.model, design.reference, design.expected, settings, chosen.knobs)
+    reasons = reasons_of(design.model, design.reference, design.expected, settings, chosen.knobs,
+                         design.certified)  # fmt: skip
     tuned = replace(
         design, settings=settings, evidence=evidence,
         verdict=verdict_of(evidence, nominal),

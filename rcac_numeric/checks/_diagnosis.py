@@ -107,13 +107,13 @@ def _of_run(analysis: LoopAnalysis) -> LoopHealth:
         next_disturbance=next_disturbance(run),
         missed_by=missed_poles(analysis),
         cost_ratio=cost_over_lqg(analysis),
-        radius=_largest_radius(run),
+        radius=largest_radius(run),
         **_of_loop(lambda: analysis.loop),
     )
     return replace(health, warnings=warnings_of_run(health, analysis))
 
 
-def _largest_radius(run: Run) -> float | None:
+def largest_radius(run: Run) -> float | None:
     """Return the largest share of the radius of CertifiedBounds, that of theta_final included."""
     bounds = run.settings.bounds if isinstance(run.settings, ControllerSettings) else None
     if not isinstance(bounds, CertifiedBounds):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import attrs
 import numpy as np
@@ -14,11 +14,12 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory._few_lines import in_few_lines
-from compensator_theory.errors import BudgetError, InputError, NoSolutionError
+from compensator_theory.errors import BudgetError, CompensatorError, InputError, NoSolutionError
+from rcac_numeric.analysis._certified_set import CertifiedSet, certified_set
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
-from rcac_numeric.arrays._validation import instance_of, integer, number
+from rcac_numeric.arrays._validation import instance_of, integer, number, one_of
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._diagnosis import loop_health
 from rcac_numeric.checks._health import LoopHealth
@@ -46,6 +47,7 @@ from rcac_numeric.designing._reduced import (
 from rcac_numeric.designing._reference import MOST, Reference, WeightGrid, sensitivity_peak
 from rcac_numeric.designing._simc import simc
 from rcac_numeric.designing._trials import (
+    BOXED,
     FIXED,
     FULL,
     PID,
@@ -76,6 +78,8 @@ RESPONSE = 500  # steps of that response
 NONE = 1.005  # of the error without control: above it no control is better, to three digits
 LEFT = 0.7  # of the error without control: above it the report says so
 ADAPTED = 3.0  # Ms of an adapted controller that is warned of
+MOST_PROVED = 40  # coefficients; the proof of a family with more takes a minute
+KEPT = ("box", "certified")
 
 
 @dataclass(frozen=True)
@@ -154,6 +158,37 @@ class Comparison:
 
 
 @dataclass(frozen=True)
+class Guarantee:
+    """The benefit and the cost of the certified set, from the test runs.
+
+    Attributes
+    ----------
+    beside_box : Comparison
+        RCAC in the set compared with the same RCAC in the box; its "fixed" fields are the box's.
+    radius : float
+        Largest share of the radius that theta used.
+    met : (int, int)
+        Test runs in which the set moved theta, of how many.
+    """
+
+    beside_box: Comparison
+    radius: float
+    met: tuple[int, int]
+
+    def __str__(self) -> str:
+        beside, (runs, count) = self.beside_box, self.met
+        used = (
+            f"met the boundary in {runs} of {count} test runs"
+            if runs
+            else f"used {100 * self.radius:.2g} % of the radius"
+        )
+        return (
+            f"theta {used}; rms error {beside.ratio:.3g} times that of the same RCAC in a box; "
+            f"test runs stable in the set alone: {beside.wins}, in the box alone: {beside.losses}"
+        )
+
+
+@dataclass(frozen=True)
 class Recommendation:
     """The recommended controller and its benefit.
 
@@ -169,6 +204,8 @@ class Recommendation:
         Rms of the error with that controller over the one with u = 0, on the nominal plant: over
         the whole run or over its last quarter, whichever is larger, the geometric mean of the
         held-out draws. None where the plant is unstable or integrates, or nothing acts on it.
+    guarantee : Guarantee or None
+        Where RCAC is kept in a certified set.
     """
 
     use: str
@@ -176,6 +213,7 @@ class Recommendation:
     rcac: Comparison
     Ms: float
     over_none: float | None = None
+    guarantee: Guarantee | None = None
 
     @property
     def is_worse_than_none(self) -> bool:
@@ -183,7 +221,8 @@ class Recommendation:
         return self.over_none is not None and self.over_none > NONE
 
     def __str__(self) -> str:
-        name = "RCAC" if self.use == RCAC else "the fixed controller"
+        kept = " in its certified set" if self.guarantee is not None else ""
+        name = f"RCAC{kept}" if self.use == RCAC else "the fixed controller"
         if self.is_worse_than_none:
             return (
                 f"Use no controller: with {name}, the better of the two, the rms error is "
@@ -222,6 +261,8 @@ class Design(Result):
     steps : int
     logged : LoggedPlant or None
         What the log showed, where the plant came from one.
+    certified : CertifiedSet, str or None
+        The set that keeps theta, or why there is none; None where it was not requested.
     """
 
     _REST: ClassVar[str] = "report() has all of it"
@@ -242,6 +283,7 @@ class Design(Result):
     runs: Mapping[str, Run]
     steps: int
     logged: LoggedPlant | None = None
+    certified: CertifiedSet | str | None = None
 
     @cached_property
     def health(self) -> LoopHealth:
@@ -262,8 +304,7 @@ class Design(Result):
 
         What `certified_set` takes as its uncertainty.
         """
-        changes = variations(self.model, self.uncertainty)
-        return {v.name: self.model.servo(v) for v in changes[1:] if v.noise == 1}
+        return _family(self.model, variations(self.model, self.uncertainty))
 
     @property
     def frozen(self) -> ControllerSettings:
@@ -318,6 +359,7 @@ def design(
     uncertainty: Uncertainty | None = None,
     structure: Structure | None = None,
     feedforward: bool = False,
+    kept: Literal["box", "certified"] = "box",
     seeds: int = 6,
     steps: int = 2000,
 ) -> Design:
@@ -359,6 +401,11 @@ def design(
         reference is reduced to it, RCAC adapts its coefficients, and LQG stands beside them.
     feedforward : bool
         Whether the controller reads the command r too, in a part of its own (figure 2.15).
+    kept : {"box", "certified"}
+        What bounds theta: an interval for each coefficient, or the set around theta_0 in which no
+        motion of theta destabilises the loop, proved for the nominal plant and `Design.family`
+        (`certified_set`). RCAC in the box is run beside it. Where there is no set,
+        `Design.certified` says why, and the box stays. At a limit of u the proof does not hold.
     seeds, steps : int
         Number and length of the held-out runs on each plant.
 
@@ -399,6 +446,7 @@ def design(
     if structure is not None:
         require_reducible(structure)
     instance_of(feedforward, "feedforward", bool)
+    one_of(kept, "kept", KEPT)
     around = _DesignOptions(
         disturbance, noise, command, saturation, uncertainty, structure, feedforward
     )
@@ -413,8 +461,14 @@ def design(
     model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
     reference = basis.reference
     settings = settings_of(model, reference, expected)
-    fixed = reference.fixed
+    fixed, servo = reference.fixed, model.servo()
     controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
+    certified: CertifiedSet | str | None = None
+    if kept == "certified":
+        certified = certified_or_reason(servo, settings, _family(model, cases))
+    if isinstance(certified, CertifiedSet):
+        controllers[BOXED] = settings
+        controllers[RCAC] = settings = attrs.evolve(settings, bounds=certified.bounds)
     alternatives: dict[str, FixedController | str] = {}
     if reference.full is not None:
         alternatives[FULL] = controllers[FULL] = FixedController(reference.full)
@@ -424,7 +478,7 @@ def design(
         alternatives[PID] = str(error)
     trials = Trials(controllers, model, expected, cases, steps, seeds, saturation=saturation)
     evidence = trials.in_threads()
-    servo, w = model.servo(), expected.w(steps, JUDGING)
+    w = expected.w(steps, JUDGING)
     options = {"saturation": saturation}
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
     by_name = dict(zip(controllers, runs, strict=True))
@@ -433,11 +487,11 @@ def design(
     questions += _remaining_questions(model, expected, by_name[FIXED], verdict)
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict, questions=questions,
-        reasons=reasons_of(model, reference, expected, settings, TuningParameters()),
+        reasons=reasons_of(model, reference, expected, settings, TuningParameters(), certified),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
         uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
-        runs=by_name, steps=steps,
+        runs=by_name, steps=steps, certified=certified,
     )  # fmt: skip
 
 
@@ -597,6 +651,34 @@ def _expected(
     )
 
 
+def _family(model: DesignPlant, cases: tuple[Variation, ...]) -> dict[str, Plant]:
+    """The plants beside the nominal one; those that differ in the noise alone are no other ones."""
+    return {one.name: model.servo(one) for one in cases[1:] if one.noise == 1}
+
+
+def certified_or_reason(
+    servo: Plant, settings: ControllerSettings, family: Mapping[str, Plant]
+) -> CertifiedSet | str:
+    """The certified set of a design, or why there is none."""
+    if settings.l_theta > MOST_PROVED:
+        return (
+            f"theta has {settings.l_theta} coefficients, and beyond {MOST_PROVED} the proof for "
+            f"{len(family) + 1} plants takes minutes; certified_set(design.plant, design.settings, "
+            "uncertainty=design.family) makes it on demand"
+        )
+    try:
+        return certified_set(servo, settings, uncertainty=family)
+    except CompensatorError as error:
+        return str(error).rstrip(".")
+
+
+def guarantee_of(evidence: tuple[Trial, ...]) -> Guarantee:
+    """The benefit and the cost of a certified set, beside RCAC in the box."""
+    used = [r for t in evidence if t.controller == RCAC for r in t.radius]
+    met = sum(r >= 1 for r in used), len(used)
+    return Guarantee(compared(evidence, RCAC, BOXED), max(used), met)
+
+
 def _range(saturation: Saturation | None) -> float:
     """Half the range of u; infinite if it is not bounded on both sides."""
     if saturation is None or saturation.low is None or saturation.high is None:
@@ -615,7 +697,11 @@ def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Rec
     nominal = next(t for t in evidence if t.controller == RCAC)
     use, why = _choice(nominal, comparison)
     over = None if trials is None else _over_none(trials, use)
-    return Recommendation(use, why, comparison, float(np.median(nominal.Ms)), over)
+    is_boxed = any(t.controller == BOXED for t in evidence)
+    return Recommendation(
+        use, why, comparison, float(np.median(nominal.Ms)), over,
+        guarantee_of(evidence) if is_boxed else None,
+    )  # fmt: skip
 
 
 def _over_none(trials: Trials, name: str) -> float | None:
@@ -859,7 +945,7 @@ def _remaining_questions(
 
 def reasons_of(
     model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings,
-    parameters: TuningParameters,
+    parameters: TuningParameters, certified: CertifiedSet | str | None = None,
 ) -> tuple[Reason, ...]:  # fmt: skip
     """The reasons of the settings."""
     n_c, structure = reference.compensator.n_c, settings.structure
@@ -889,6 +975,15 @@ def reasons_of(
         words = f"fitted to LQG loops, weighted by the effect on the error{robust}"
         fixed = f"{structure.name} of {structure.l_theta} coefficients", words
         order = structure.name, "as requested"
+    bounds = (
+        f"theta_0 +- {parameters.width:.3g} of its rms",
+        "a limit on theta if actuator or delay are not as expected",
+    )
+    if isinstance(certified, CertifiedSet):
+        bounds = (
+            f"certified set for {len(certified.members)} plants",
+            "no motion of theta in it destabilises the loop on any of them, by an exact proof",
+        )
     forgets = "" if parameters.forgetting == 1 else f"; lambda = {parameters.forgetting:.6g}"
     return (
         Reason("fixed", f"{fixed[0]}, Ms = {reference.peak:.3g}", fixed[1]),
@@ -905,6 +1000,5 @@ def reasons_of(
                "max(n_c, n_f): the step from which regressor and filter are filled"),
         Reason("R_z", f"1/(1 + nu abs(z))^2, nu = {parameters.nu:.3g} over the size of z",
                "steps with a large z have less weight"),
-        Reason("bounds", f"theta_0 +- {parameters.width:.3g} of its rms",
-               "a limit on theta if actuator or delay are not as expected"),
+        Reason("bounds", *bounds),
     )  # fmt: skip

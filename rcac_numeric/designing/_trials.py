@@ -11,6 +11,8 @@ from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._values import Value
+from rcac_numeric.checks._diagnosis import largest_radius
+from rcac_numeric.controllers._bounds import CertifiedBounds
 from rcac_numeric.designing._expected import Expected
 from rcac_numeric.designing._plants import DesignPlant, Variation
 from rcac_numeric.designing._reference import sensitivity_peak
@@ -21,7 +23,9 @@ from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 
 RCAC, FIXED, PID, FULL = "RCAC", "fixed", "SIMC PID", "LQG"  # the controllers of a design
+BOXED = "RCAC, box"  # beside RCAC in a certified set
 LAST = 0.25  # of a run: where its tail is measured
+LOOKS = 200  # stored thetas of a run whose radius is measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +46,9 @@ class Trial(Value):
         The largest abs(e_0).
     Ms : tuple of float
         The peak of the sensitivity with the last controller.
+    radius : tuple of float
+        The largest share of the radius of `CertifiedBounds` that theta used, 1 where the bounds
+        moved theta; NaN without such bounds.
     """
 
     controller: str
@@ -50,12 +57,14 @@ class Trial(Value):
     rms: tuple[float, ...]
     peak: tuple[float, ...]
     Ms: tuple[float, ...]
+    radius: tuple[float, ...] = ()
 
     def with_draws(self, more: Trial) -> Trial:
         """Append the results of further draws."""
         return Trial(
             self.controller, self.variation, self.stable + more.stable, self.rms + more.rms,
             self.peak + more.peak, self.Ms + more.Ms,
+            self.radius + more.radius,
         )  # fmt: skip
 
 
@@ -100,16 +109,16 @@ class Trials(Value):
         """The number of runs."""
         return len(self.controllers) * len(self.variations) * self.seeds
 
-    def of(self, numbers: Iterable[tuple[float, float, float]]) -> tuple[Trial, ...]:
+    def of(self, numbers: Iterable[tuple[float, float, float, float]]) -> tuple[Trial, ...]:
         """The trials from the numbers of every run, in their order."""
         left = iter(numbers)
         trials = []
         for name in self.controllers:
             for one in self.variations:
-                rms, peak, Ms = zip(*(next(left) for _ in range(self.seeds)), strict=True)
+                rms, peak, Ms, radius = zip(*(next(left) for _ in range(self.seeds)), strict=True)
                 stable = tuple(bool(np.isfinite(value)) for value in Ms)
                 settled = tuple(a if b else np.inf for a, b in zip(rms, stable, strict=True))
-                trials.append(Trial(name, one, stable, settled, peak, Ms))
+                trials.append(Trial(name, one, stable, settled, peak, Ms, radius))
         return tuple(trials)
 
     def in_threads(self) -> tuple[Trial, ...]:
@@ -125,7 +134,9 @@ class Trials(Value):
             for servo, ws in zip(servos, draws, strict=True)
             for w in ws
         )
-        return self.of((whole_rms(run), largest_error(run), sensitivity(run)) for run in runs)
+        return self.of(
+            (whole_rms(run), largest_error(run), sensitivity(run), used_radius(run)) for run in runs
+        )
 
     def nominal_runs(self, controller: AnyController) -> tuple[Run, ...]:
         """Runs of another controller on the first plant, with the same draws."""
@@ -135,8 +146,10 @@ class Trials(Value):
         return tuple(simulate_many([SimulationCase(servo, controller, w, options) for w in ws]))
 
     def _case(self, servo: Plant, controller: str, w: Array) -> SimulationCase:
-        options = {"stride": self.steps, "saturation": self.saturation}
-        return SimulationCase(servo, self.controllers[controller], w, options)
+        settings = self.controllers[controller]
+        looks = LOOKS if isinstance(getattr(settings, "bounds", None), CertifiedBounds) else 1
+        options = {"stride": -(-self.steps // looks), "saturation": self.saturation}
+        return SimulationCase(servo, settings, w, options)
 
 
 def measured(run: Run) -> tuple[bool, float, float, float]:
@@ -171,6 +184,14 @@ def sensitivity(run: Run) -> float:
     if run.outcome != "completed":
         return np.inf
     return sensitivity_peak(frozen_loop(run.plant, run.compensator, 0))
+
+
+def used_radius(run: Run) -> float:
+    """The largest share of the radius of CertifiedBounds; 1 where they moved theta, NaN without."""
+    radius = largest_radius(run)
+    if radius is None:
+        return np.nan
+    return 1.0 if run.bounded else radius
 
 
 def _error(run: Run) -> Array:

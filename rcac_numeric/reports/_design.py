@@ -10,7 +10,17 @@ import numpy as np
 from rcac_numeric.designing._design import ADAPTED, Design, Recommendation, compared
 from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
 from rcac_numeric.reports._loop import poles_reached
-from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, SheetTable, Text, cells
+from rcac_numeric.reports._sheet import (
+    Block,
+    Fact,
+    Level,
+    Section,
+    Sheet,
+    SheetTable,
+    Text,
+    cells,
+    counted,
+)
 
 
 def design_sheet(design: Design) -> Sheet:
@@ -24,6 +34,7 @@ def design_sheet(design: Design) -> Sheet:
             f"Test runs: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"
         ),
     ]
+    lines += _guarantee(design)
     if rcac.fixed_stable[0] < rcac.fixed_stable[1]:
         plants = [
             t.variation.name for t in design.evidence
@@ -63,9 +74,45 @@ def _level(verdict: Recommendation) -> Level:
     return "good" if verdict.use == RCAC else "plain"
 
 
+def _guarantee(design: Design) -> list[Text]:
+    """The certified set, what it costs and what it does not cover; or why there is none."""
+    region, guarantee = design.certified, design.verdict.guarantee
+    if region is None:
+        return []
+    if isinstance(region, str):
+        words = f"No certified set: {region}. The box in `bounds` limits theta, without a proof."
+        return [Text(words, "warning")]
+    plants = counted(len(region.members), "plant")
+    lines = [
+        Text(
+            f"Proved in exact arithmetic for {plants} (nominal, {', '.join(design.family)}): no "
+            "motion of theta in the certified set destabilises the loop.",
+            "good",
+        ),
+        Text(f"Certified set: {guarantee}."),
+    ]
+    run = design.runs[RCAC]
+    if run.saturation is not None:
+        limited = int((run.u_applied != run.u).any(axis=1).sum())
+        words = (
+            "Not covered: u_limits. At a limit the loop is another one; RCAC met them in "
+            f"{limited} of {run.steps} steps of the nominal run."
+        )
+        lines.append(Text(words, "warning"))
+    lines.append(
+        Text("Not covered: other plants than these; `certified.report()` has the whole list.")
+    )
+    return lines
+
+
 def _verdict(design: Design) -> Section:
     record = asdict(design.verdict) | {"questions": [asdict(q) for q in design.questions]}
     record["no_room"] = design.no_room or None
+    region = design.certified
+    if region is not None:
+        reason = region if isinstance(region, str) else None
+        members = [] if isinstance(region, str) else [one.name for one in region.members]
+        record["certified"] = {"plants": members, "reason": reason}
     if design.logged is not None:
         model = design.logged.model
         record["log"] = {
@@ -88,7 +135,8 @@ def _evidence(design: Design) -> Section:
     table = SheetTable(("plant", *(f"{name}: rms, peak, Ms" for name in names)), rows)
     record = [
         {"controller": t.controller, "plant": t.variation.name, "stable": list(t.stable),
-         "rms": list(t.rms), "peak": list(t.peak), "Ms": list(t.Ms)}
+         "rms": list(t.rms), "peak": list(t.peak), "Ms": list(t.Ms),
+         "radius": [None if np.isnan(r) else r for r in t.radius]}
         for t in design.evidence
     ]  # fmt: skip
     words = Text(

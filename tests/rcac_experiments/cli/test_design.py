@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 from rcac_experiments import load_experiment
 from rcac_experiments.cli import _design as command
 from rcac_experiments.cli._main import main
+from rcac_numeric import CertifiedBounds
 
 SAID = ("--disturbance", "0.5", "--noise", "0.01", "--u-limits", "-2,2", "--seeds", "1")
 LAG = ("1/(8*s + 1)", "--sample-time", "1", "--dead-time", "2")
@@ -161,3 +162,24 @@ def test_a_log_that_leaves_its_plant_open_is_status_1_and_no_controller(tmp_path
     result = run(path, "--assume", "--seeds", "1")
     assert result.exit_code == 1, result.output
     assert "Use " not in result.output and "jumps" in result.output
+
+
+@pytest.mark.costly
+def test_a_certified_design_is_verified_and_exported(tmp_path):
+    path, board = tmp_path / "kept.toml", tmp_path / "board"
+    result = run(*LAG, *SAID[:4], "--u-limits", "none", "--seeds", "1", "--kept", "certified",
+                 "--json", "-o", path)  # fmt: skip
+    assert result.exit_code == 0, result.output
+    record = json.loads(result.stdout)
+    assert record["verdict"]["certified"]["reason"] is None
+    assert record["verdict"]["guarantee"]["radius"] <= 1
+    settings = load_experiment(path).runs["RCAC"].settings
+    assert isinstance(settings.bounds, CertifiedBounds)
+    exported = CliRunner().invoke(main, ["export", str(path), "-o", str(board), "--run", "RCAC"])
+    assert exported.exit_code == 0, exported.output
+    assert "the same bits" in exported.output
+
+
+def test_only_the_two_ways_to_keep_theta_are_read():
+    result = run(*LAG, *SAID, "--kept", "stable")
+    assert result.exit_code == 2 and "--kept" in result.stderr and "certified" in result.stderr

@@ -36,6 +36,7 @@ def load_of(found):
         },
         {"u_limits": rn.Saturation(low=-1.0, high=2.0, rate=0.5)},
         {"disturbance": 0.3, "command": rn.Levels([1.0, -1.0], hold=50)},
+        {"disturbance": 0.5, "noise": 0.02, "kept": "certified"},
     ],
 )
 def test_the_file_says_the_same(arguments, tmp_path):

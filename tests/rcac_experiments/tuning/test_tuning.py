@@ -18,7 +18,7 @@ from rcac_numeric.arrays._values import equal, replaced
 from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._design import compared
 from rcac_numeric.designing._plants import read_plant
-from rcac_numeric.designing._trials import FIXED, RCAC, Trials
+from rcac_numeric.designing._trials import BOXED, FIXED, RCAC, Trials
 
 PLANT = "1/(q - 0.9)"
 
@@ -185,7 +185,9 @@ def test_a_store_of_another_design_is_refused(found, tmp_path):
         tune(found, **arguments, executor=pool)
 
 
-@pytest.mark.parametrize("run", [(np.inf, np.inf, np.inf), (1.1, 1.0, 1.5)])  # lost, or worse
+@pytest.mark.parametrize(
+    "run", [(np.inf, np.inf, np.inf, np.nan), (1.1, 1.0, 1.5, np.nan)]
+)  # lost, or worse
 def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(found, tuned, run):
     knobs = {RULE: TuningParameters(), "1": TuningParameters(samples=10.0)}
     made = {FIXED: found.fixed} | {
@@ -197,7 +199,7 @@ def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(found, t
 
     def runner(name, trials):  # one run of the point is this one, all others are alike
         runs = [
-            run if (n, i, j) == (RCAC, 1, 0) else (1.0, 1.0, 1.5)
+            run if (n, i, j) == (RCAC, 1, 0) else (1.0, 1.0, 1.5, np.nan)
             for n in trials.controllers for i in range(len(trials.variations))
             for j in range(trials.seeds)
         ]  # fmt: skip
@@ -215,3 +217,23 @@ def test_tuning_leaves_the_order_of_a_structure():
     tuned = tune(found, budget=4, held_out=1, seeds=1, steps=200)
     assert all(one.knobs is None or one.knobs.spare == 0 for one in tuned.candidates)
     assert tuned.settings.structure == pid("PI")
+
+
+@pytest.mark.costly
+def test_in_a_certified_set_weaker_priors_are_tried_and_the_set_stays():
+    start = design(
+        "2/(10*s + 1)", sample_time=1.0, disturbance=0.5, noise=0.02, kept="certified", seeds=1,
+        steps=400,
+    )  # fmt: skip
+    tuned = tune(start, 8, held_out=2, seeds=1)
+    knobs = [one.knobs for one in tuned.candidates if one.name not in (RULE, FIXED)]
+    least = TuningParameters().worth(start.expected) / 1000
+    assert least <= min(one.samples for one in knobs) < 10
+    assert all(one.spare == 0 and one.width == TuningParameters().width for one in knobs)
+    assert equal(tuned.settings.bounds, start.certified.bounds)
+    used = [r for t in tuned.design.evidence if t.controller == RCAC for r in t.radius]
+    assert tuned.verdict.guarantee.radius == max(used) <= 1
+    box = next(t for t in tuned.design.evidence if t.controller == BOXED)
+    settings = settings_of(start.model, start.reference, start.expected, tuned.chosen.knobs)
+    trials = Trials({BOXED: settings}, start.model, start.expected, (box.variation,), 400, 1)
+    assert trials.in_threads()[0].rms == box.rms  # the chosen prior in the box
