@@ -28,6 +28,7 @@ from rcac_numeric.reports._loop import (
     loop_section,
     missed_poles,
     poles_and_health,
+    proof_of_run,
 )
 from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, SheetTable, Text, cells
 
@@ -79,7 +80,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     sentences += [
         Text(f"Run {name!r} did not end as expected.", "bad") for name in verification.surprising
     ]
-    return (*sentences, *rest)
+    return (*sentences, *rest, *proof_of_run(main.first)[0])
 
 
 def _of_runs(verification: Verification) -> tuple[Section, ...]:

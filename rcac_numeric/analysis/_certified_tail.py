@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -32,6 +33,8 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of
 from rcac_numeric.arrays._values import Result
+from rcac_numeric.controllers._bounds import kept_radii
+from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.engine._runs import Run
@@ -189,7 +192,7 @@ def _tail(
     run: Run, settings: ControllerSettings, start: int, stop: int, plant: Plant | None
 ) -> CertifiedTail:
     def none(reason: str) -> CertifiedTail:
-        return CertifiedTail(start, stop, None, None, np.zeros((0, run.theta.shape[1])), reason)
+        return _no_tail(start, stop, run.theta.shape[1], reason)
 
     if plant is None:
         return none("the plant drifts, and a proof is for a plant that stays where it is")
@@ -201,10 +204,30 @@ def _tail(
     if stop == run.first_step + run.steps:
         after = run.theta_final[None]
     thetas = np.vstack([run.theta[row : stop - run.first_step], after])
+    return _tail_of(plant, settings.structure, settings.fixed, thetas, (start, first, stop))
+
+
+def certified_from_log(
+    plant: Plant, structure: Structure, theta: Array, first: int
+) -> CertifiedTail:
+    """As `certified_from`, of theta(first), ... of a log and a plant that stays."""
+    return _tail_of(plant, structure, None, theta, (0, first, first + len(theta)))
+
+
+def _no_tail(start: int, stop: int, l_theta: int, reason: str) -> CertifiedTail:
+    return CertifiedTail(start, stop, None, None, np.zeros((0, l_theta)), reason)
+
+
+def _tail_of(
+    plant: Plant, structure: Structure, fixed: Compensator | None, thetas: Array,
+    steps: tuple[int, int, int],
+) -> CertifiedTail:  # fmt: skip
+    """Return the tail of theta(first), ..., for the steps (start, first, stop)."""
+    start, first, stop = steps
     try:
-        region, index = _largest_tail(plant, settings, thetas)
+        region, index = _largest_tail(plant, structure, fixed, thetas)
     except CompensatorError as error:
-        return none(str(error).rstrip("."))
+        return _no_tail(start, stop, thetas.shape[1], str(error).rstrip("."))
     return CertifiedTail(start, stop, first + index, region, np.array(thetas[index:]))
 
 
@@ -215,11 +238,11 @@ def _last_limited(run: Run, stop: int) -> int:
 
 
 def _largest_tail(
-    plant: Plant, settings: ControllerSettings, thetas: Array
+    plant: Plant, structure: Structure, fixed: Compensator | None, thetas: Array
 ) -> tuple[CertifiedSet, int]:
     """Return a proved set around the last theta, and the first row that stays inside."""
-    structure, center = settings.structure, np.array(thetas[-1])
-    system = regressor_system(plant, structure, settings.fixed)
+    center = np.array(thetas[-1])
+    system = regressor_system(plant, structure, fixed)
     loop = centered_loop(system, center)
     if not loop.spectral_radius < 1:
         raise NoSolutionError(
@@ -237,7 +260,7 @@ def _largest_tail(
     outside = np.flatnonzero(_squares(K, changes)[0] >= 1 - 1e-9)
     index = int(outside[-1]) + 1 if outside.size else 0
     region = CertifiedSet(
-        structure=structure, fixed=settings.fixed, center=center, regressor_factor=K,
+        structure=structure, fixed=fixed, center=center, regressor_factor=K,
         input_scale=scale, rate=1.0, shape="tail",
         members=(CertifiedMember("the plant of the run", plant, storages[0]),),
         uncovered=UNCOVERED, dependent=dependent_directions(responses),
@@ -356,9 +379,17 @@ class _Search:
 
 
 def _is_inside(region: CertifiedSet, thetas: Array) -> bool:
-    """Whether R^1/2 Delta K^-T has a norm below 1 for every theta, in balls."""
+    """Whether every theta lies inside: by its computed radius and its rounding error, or in balls.
+
+    A computed radius below the limit of `kept_radii` proves that the true one is below 1 (Higham
+    2002, theorem 8.5). The others are few: R^1/2 Delta K^-T has a norm below 1 in balls.
+    """
     scale, taps = region.input_scale, len(region.regressor_factor)
     distinct = np.unique(thetas, axis=0)
+    with contextlib.suppress(InputError):  # axes that are too unequal for that bound
+        distinct = distinct[~(region.radius_of(distinct) < kept_radii(region.bounds)[0])]
+    if not len(distinct):
+        return True
     moved = exact(distinct) - exact(region.center)
     moved = moved.reshape(len(distinct), taps, len(scale)) / exact(scale)
     columns = moved.transpose(1, 0, 2).reshape(taps, -1)

@@ -12,6 +12,7 @@ import numpy as np
 import compensator_theory as exact
 from compensator_theory import figures
 from compensator_theory.errors import Advice, CompensatorError, InputError
+from rcac_numeric.analysis._certified_tail import CertifiedTail, certified_from
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._exact_comparison import ExactComparison, comparison_of
 from rcac_numeric.analysis._match import (
@@ -230,6 +231,11 @@ class LoopAnalysis(Value):
         """The intercalated transfer function compared with G_f."""
         target = self._target  # raises the reason if there is none
         return intercalated_match(self.loop, target)
+
+    @cached_property
+    def certified(self) -> CertifiedTail:
+        """From which step on the run is proved stable while theta moves, as `certified_from`."""
+        return certified_from(self.run)
 
     @cached_property
     def split(self) -> ResidualSplit:

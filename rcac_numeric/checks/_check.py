@@ -12,7 +12,12 @@ from numpy.typing import ArrayLike
 
 from compensator_theory import figures
 from compensator_theory._few_lines import in_few_lines
-from compensator_theory.errors import DivergedError, InputError
+from compensator_theory.errors import CompensatorError, DivergedError, InputError
+from rcac_numeric.analysis._certified_tail import (
+    CertifiedTail,
+    certified_from,
+    certified_from_log,
+)
 from rcac_numeric.analysis._classical import Margins, channel_margins
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._disk import DiskMargin, multivariable_disk_margin
@@ -100,6 +105,11 @@ class ControllerCheck(Result):
     conventions : ConventionSearch or None
         Where the logged u is not the output of the logged coefficients: the conventions of other
         programs by which it is.
+    run : Run or None
+        The run, where the log is that of one with its own plant.
+    certified : CertifiedTail or str
+        From which step on the loop of the logged theta and the plant is proved stable while theta
+        moves (`certified_from`), or why that was not evaluated; computed on demand.
     unanswered : mapping
         The reason for each result that was not evaluated.
     """
@@ -121,6 +131,7 @@ class ControllerCheck(Result):
     is_fixed: bool = False
     decision: Decision | str | None = None
     conventions: ConventionSearch | None = None
+    run: Run | None = None
 
     @property
     def plant(self) -> Plant | None:
@@ -156,6 +167,32 @@ class ControllerCheck(Result):
     def internal_models(self) -> tuple[InternalModel, ...]:
         """Controller poles within 0.01 of the unit circle, and the signals that they reject."""
         return internal_models(self.compensator, self.loop)
+
+    @cached_property
+    def certified(self) -> CertifiedTail | str:
+        """From which step on the loop is proved stable, or why that was not evaluated."""
+        try:
+            return self._certified()
+        except CompensatorError as error:
+            return str(error).rstrip(".")
+
+    def _certified(self) -> CertifiedTail | str:
+        if self.run is not None:
+            return certified_from(self.run)
+        log, replay, plant = self.log, self.replay, self.plant
+        if plant is None:
+            return "the plant is not known"
+        if self.structure is None or log.theta is None or not log.has_history:
+            return "it needs the structure, and theta of every step"
+        if replay is None or not replay.agrees:
+            return "the logged u is not the output of the logged theta"
+        if self.plant_residual is not None and self.plant_residual.is_doubtful:
+            return "the plant does not make the logged y of the logged u"
+        if replay.limited:
+            return f"u was at a limit in {replay.limited} steps, where the loop is another one"
+        # Row k - shift of the log is theta(k).
+        first = max(replay.start - replay.shift, 0)
+        return certified_from_log(plant, self.structure, log.theta[first:], first + replay.shift)
 
     def _evaluated(self, name: str, evaluate: Callable[[LoopAnalysis], T]) -> T | None:
         """Evaluate a property of the loop; None if `unanswered` has a reason."""
@@ -304,6 +341,7 @@ def check_controller(
     knows_its_plant = isinstance(u, Run) and plant is None
     is_fixed = isinstance(u.settings, FixedController) if isinstance(u, Run) else False
     is_fixed |= compensator is not None
+    run = u if isinstance(u, Run) and knows_its_plant else None
     if isinstance(u, Run):
         arguments = arguments_of_run(u)
         if u_limits is None and u.saturation is not None and u.saturation.rate is None:
@@ -381,7 +419,7 @@ def check_controller(
         disk = multivariable_disk_margin(loop) if plant.l_u > 1 and loop.is_stable else None
     return ControllerCheck(
         log, structure, fixed, target, analysis, replayed, drift, residual, costs, margins, disk,
-        unanswered, is_fixed, conventions=conventions,
+        unanswered, is_fixed, conventions=conventions, run=run,
     )  # fmt: skip
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rcac_numeric.analysis._certified_set import CertifiedSet, direction_texts
 from rcac_numeric.analysis._certified_tail import CertifiedTail
 from rcac_numeric.reports._sheet import (
@@ -16,6 +18,7 @@ from rcac_numeric.reports._sheet import (
 )
 
 FEW = 24  # coefficients that the table lists
+MOST_COEFFICIENTS, MOST_PLANTS = 24, 5  # of a run that other reports prove unasked
 
 
 def certified_sheet(region: CertifiedSet) -> Sheet:
@@ -92,17 +95,50 @@ def _dependent(region: CertifiedSet) -> Section:
 
 def tail_sheet(tail: CertifiedTail) -> Sheet:
     """The report of a run: from which step on the loop is proved stable, plant by plant."""
-    lines, records = [], []
-    for one in (*tail.earlier, tail):
-        line = tail_line(one)
-        if tail.earlier:
-            line = Text(f"Steps {one.start} to {one.stop - 1}: {line.words}", line.level)
-        lines.append(line)
-        records.append({"start": one.start, "stop": one.stop, "k0": one.k0, "reason": one.reason})
     uncovered = () if tail.set is None else tail.set.uncovered
     notes = tuple(Text(f"Not covered: {words}.", "warning") for words in uncovered)
-    section = Section(record={"k0": tail.k0, "segments": records})
-    return Sheet("Run as a time-varying loop", health=(*notes, *lines), sections=(section,))
+    section = Section(record=tail_record(tail))
+    health = (*notes, *tail_lines(tail))
+    return Sheet("Run as a time-varying loop", health=health, sections=(section,))
+
+
+def tail_lines(tail: CertifiedTail) -> tuple[Text, ...]:
+    """The verdict on each plant of a run."""
+    if not tail.earlier:
+        return (tail_line(tail),)
+    lines = [(one, tail_line(one)) for one in (*tail.earlier, tail)]
+    return tuple(
+        Text(f"Steps {one.start} to {one.stop - 1}: {line.words}", line.level)
+        for one, line in lines
+    )
+
+
+def tail_record(tail: CertifiedTail) -> dict[str, Any]:
+    """The first step of the proof and the reasons where there is none."""
+    segments = [
+        {"start": one.start, "stop": one.stop, "k0": one.k0, "reason": one.reason}
+        for one in (*tail.earlier, tail)
+    ]
+    return {"k0": tail.k0, "segments": segments}
+
+
+def proof_obstacle(l_theta: int, plants: int = 1) -> str:
+    """The reason why a report leaves the proof of a run to `certified_from`; or nothing."""
+    if l_theta > MOST_COEFFICIENTS:
+        return (
+            f"theta has {l_theta} coefficients, and beyond {MOST_COEFFICIENTS} the proof takes "
+            "seconds: certified_from(run)"
+        )
+    if plants > MOST_PLANTS:
+        return f"each of the {plants} plants needs a proof of its own: certified_from(run)"
+    return ""
+
+
+def proof_lines(tail: CertifiedTail | str) -> tuple[Text, ...]:
+    """The line of a report on the proof of a run, or on why it was not evaluated."""
+    if isinstance(tail, str):
+        return (Text(f"Proof of stability while theta moves: not evaluated: {tail}."),)
+    return tail_lines(tail)
 
 
 def tail_line(tail: CertifiedTail) -> Text:

@@ -7,12 +7,15 @@ from math import isnan
 from typing import Any
 
 from rcac_numeric.analysis._boundaries import StabilityBoundary
+from rcac_numeric.analysis._certified_tail import CertifiedTail
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.analysis._disk import DiskMargin
 from rcac_numeric.analysis._exact_comparison import ExactComparison
+from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.checks._check import NEED_THE_TARGET, ControllerCheck
 from rcac_numeric.checks._diagnosis import NO_LOOP, loop_health
 from rcac_numeric.checks._hypotheses import Decision
+from rcac_numeric.reports._certified import proof_lines, proof_obstacle, tail_record
 from rcac_numeric.reports._loop import (
     health_lines,
     health_record,
@@ -20,6 +23,7 @@ from rcac_numeric.reports._loop import (
     match_section,
     missed_poles,
     poles_and_health,
+    proof_of_run,
     reached_facts,
     split_section,
     zeros_facts,
@@ -41,6 +45,8 @@ def check_sheet(check: ControllerCheck) -> Sheet:
     health = loop_health(check)
     sections = [Section(record=health_record(health)), _log(check), _controller(check)]
     is_known = check.loop is not None and check.is_consistent
+    proof, record = _proof(check) if is_known else ((), {})
+    sections.append(Section(record=record))
     if is_known:
         sections += [_loop(check), *(margins_section(n, m) for n, m in check.margins.items())]
         sections += [_disk(check), _costs(check)]
@@ -55,6 +61,7 @@ def check_sheet(check: ControllerCheck) -> Sheet:
                 missed_poles(check.comparison, check.structure) if is_known else (),
                 health_lines(health),
             ),
+            *proof,
         ),
         sections=(*sections, _unanswered(check)),
     )
@@ -75,6 +82,18 @@ def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
             words += " The standard problem is assumed; give --problem."
         lines.append(Text(words, "bad" if check.is_undecided else "plain"))
     return tuple(lines)
+
+
+def _proof(check: ControllerCheck) -> tuple[tuple[Text, ...], dict[str, Any]]:
+    """From which step on the loop of the logged theta is proved stable; lines and record."""
+    if check.run is not None:
+        return proof_of_run(LoopAnalysis(check.run))
+    if check.structure is None or check.loop is None or not check.loop.is_stable:
+        return (), {}
+    tail: CertifiedTail | str = proof_obstacle(check.structure.l_theta) or check.certified
+    if isinstance(tail, str):
+        return proof_lines(tail), {"certified_from": {"k0": None, "reason": tail}}
+    return proof_lines(tail), {"certified_from": tail_record(tail)}
 
 
 def _decided(decision: Decision | str) -> dict[str, Any]:

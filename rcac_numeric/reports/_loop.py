@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import compensator_theory as exact
+from rcac_numeric.analysis._certified_tail import CertifiedTail
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.analysis._closed_loop import OTHER_SIGN
 from rcac_numeric.analysis._exact_comparison import NEAR, REACHED, ExactComparison
@@ -16,8 +17,12 @@ from rcac_numeric.analysis._match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.checks._diagnosis import loop_health
 from rcac_numeric.checks._health import LoopHealth, SignalHealth, SignalSize
+from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.engine._runs import Run
+from rcac_numeric.plants._functions import FunctionPlant
+from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.reports._certified import proof_lines, proof_obstacle, tail_record
 from rcac_numeric.reports._sheet import (
     Block,
     Fact,
@@ -370,6 +375,7 @@ def analysis_sheet(analysis: LoopAnalysis) -> Sheet:
         remark = f": {analysis.of.outcome} after {analysis.of.steps} steps"
         missed = () if analysis.obstacle else missed_poles(_or_none(analysis), analysis.structure)
         health = poles_and_health(missed, health_lines(loop_health(analysis)))
+        health += proof_of_run(analysis)[0]
     else:
         remark = ""
         loop = analysis.loop
@@ -377,6 +383,25 @@ def analysis_sheet(analysis: LoopAnalysis) -> Sheet:
         if not loop.is_stable and loop.has_stable_opposite:
             health += (Text(OTHER_SIGN.strip(), "warning"),)
     return Sheet("Closed loop", remark, health, (loop_section(analysis),))
+
+
+def proof_of_run(analysis: LoopAnalysis) -> tuple[tuple[Text, ...], dict[str, Any]]:
+    """From which step on a run of one adaptive controller is proved stable: lines and record.
+
+    Nothing where the last loop is unstable, as the first line says.
+    """
+    run = analysis.of
+    if not isinstance(run, Run) or not isinstance(run.settings, ControllerSettings):
+        return (), {}
+    if isinstance(run.plant, FunctionPlant) or not analysis.loop.is_stable:
+        return (), {}
+    plants = len(run.plant.changes) if isinstance(run.plant, PlantSchedule) else 1
+    tail: CertifiedTail | None = None
+    if not (reason := proof_obstacle(run.settings.l_theta, plants)):
+        tail, reason = attempted(lambda: analysis.certified)
+    if tail is None:
+        return proof_lines(reason), {"certified_from": {"k0": None, "reason": reason}}
+    return proof_lines(tail), {"certified_from": tail_record(tail)}
 
 
 def _or_none(analysis: LoopAnalysis) -> ExactComparison | None:
@@ -400,6 +425,7 @@ def loop_section(analysis: LoopAnalysis, title: str = "", remark: str = "") -> S
     if run is not None:
         split, reason = attempted(lambda: analysis.split)
         parts += [split_section(split, reason, analysis.loop.is_stable), _guard(run)]
+        parts.append(Section(record=proof_of_run(analysis)[1]))
         parts.append(fitted_section(run.D_f))
     return joined(title, *parts, remark=remark)
 

@@ -14,16 +14,20 @@ from rcac_numeric import (
     Compensator,
     ControllerSettings,
     FixedController,
+    LoopAnalysis,
     PlantChange,
     PlantSchedule,
     Saturation,
     TargetModel,
     certified_from,
+    check_controller,
     iir,
     simulate,
     standard_plant,
 )
-from rcac_numeric.analysis._regressor_system import regressor_system
+from rcac_numeric.analysis._certified_tail import _is_inside
+from rcac_numeric.analysis._regressor_system import exact, rational_matrix, regressor_system
+from rcac_numeric.reports._certified import MOST_COEFFICIENTS, MOST_PLANTS
 from tests.support.engine_cases import cases, engine_plants
 from tests.support.strategies import seeds
 
@@ -171,3 +175,86 @@ def test_what_is_no_run_of_one_adaptive_controller_is_refused():
         certified_from(simulate(PLANT, fixed, noise(50)))
     with pytest.raises(InputError, match="Run"):
         certified_from(PLANT)
+
+
+@given(st.integers(2, 16), st.sampled_from([-1.0, 1.0]), seeds)
+def test_inside_is_decided_right_however_near_the_boundary(digits, side, seed):
+    """Beside the boundary in rational arithmetic, by 1e-2 to 1e-16 of the radius."""
+    region = certified_from(simulate(PLANT, first_order(), noise(60))).set
+    rng = np.random.default_rng(seed)
+    v = rng.standard_normal((20, len(region.center)))
+    v *= (1 + side * 10.0**-digits) / np.linalg.norm(v, axis=1, keepdims=True)
+    thetas = region.center + v @ region.factor.T
+    moved = rational_matrix((exact(thetas) - exact(region.center)).T)
+    coordinates = rational_matrix(exact(region.factor)).solve(moved)
+    for j, theta in enumerate(thetas):
+        square = sum(coordinates[i, j] ** 2 for i in range(coordinates.nrows()))
+        assert _is_inside(region, theta[None]) == (square < 1)
+
+
+def test_an_analysis_and_its_report_have_the_proof():
+    run = simulate(PLANT, first_order(), noise(300))
+    analysis = LoopAnalysis(run)
+    assert analysis.certified == certified_from(run)
+    assert f"from step {analysis.certified.k0} on" in " ".join(analysis.report().split())
+    record = analysis._sheet().record["certified_from"]
+    assert record["k0"] == analysis.certified.k0 and len(record["segments"]) == 1
+
+
+def test_a_report_proves_no_run_that_takes_seconds_and_says_so():
+    many = MOST_COEFFICIENTS // 2 + 1
+    settings = ControllerSettings(
+        structure=iir(many), target=TargetModel([0, 1]), update=UD(R_theta=1e3)
+    )
+    analysis = LoopAnalysis(simulate(PLANT, settings, noise(100)))
+    assert f"not evaluated: theta has {2 * many} coeff" in " ".join(analysis.report().split())
+    assert "certified" not in vars(analysis)
+    changes = [PlantChange(start=10 * i, plant=PLANT) for i in range(MOST_PLANTS + 1)]
+    run = simulate(PlantSchedule(changes), first_order(), noise(100))
+    assert f"each of the {MOST_PLANTS + 1} plants" in " ".join(LoopAnalysis(run).report().split())
+
+
+def test_an_unstable_end_has_no_second_line_on_stability():
+    run = simulate(standard_plant("1/(q - 1.5)"), first_order(freeze=[(0, None)]), noise(30))
+    report = LoopAnalysis(run).report()
+    assert "UNSTABLE" in report and "roof" not in report
+
+
+@pytest.mark.parametrize("shift", [0, 1])
+def test_a_log_with_its_plant_has_the_proof_of_the_run(shift):
+    run = simulate(PLANT, first_order(theta_0=[0.0, 0.2]), noise(300))
+    tail = certified_from(run)
+    assert tail.k0 > 2  # behind the steps that fill the regressor of a log
+    theta = np.vstack([run.theta, run.theta_final])[shift : shift + 300]
+    log = {"theta": theta, "structure": iir(1)}
+    check = check_controller(run.u, run.y, plant=PLANT, **log)
+    assert check.replay.shift == shift
+    assert check.certified.is_verified
+    # Without theta_final the center is another theta, and so is the set.
+    assert check.certified.k0 == pytest.approx(tail.k0, abs=10)
+    assert f"from step {check.certified.k0} on" in " ".join(check.report().split())
+    assert check_controller(run).certified == tail
+    assert "plant" in check_controller(run.u, run.y, **log).certified
+
+
+def test_a_log_without_its_thetas_or_with_another_u_has_no_proof():
+    run = simulate(PLANT, first_order(), noise(300))
+    log = {"plant": PLANT, "structure": iir(1)}
+    last = check_controller(run.u, run.y, theta=run.theta_final, **log)
+    assert "theta of every step" in last.certified
+    other = check_controller(run.u + noise(300, 5), run.y, theta=run.theta, **log)
+    assert "not the output" in other.certified
+    limited = simulate(PLANT, first_order(), noise(300), saturation=Saturation(low=-0.3, high=0.3))
+    check = check_controller(
+        limited.u_applied, limited.y, theta=limited.theta, u_limits=(-0.3, 0.3), **log
+    )
+    assert check.replay.limited and f"limit in {check.replay.limited} steps" in check.certified
+
+
+def test_a_saved_run_with_two_plants_has_a_proof_for_each():
+    """The log alone would be of the last plant; the run knows both."""
+    changes = [PlantChange(start=0, plant=PLANT), PlantChange(start=150, plant=OTHER)]
+    run = simulate(PlantSchedule(changes), first_order(theta_0=[0.0, -0.15]), noise(300))
+    check = check_controller(run)
+    assert check.certified == certified_from(run) and check.certified.earlier
+    assert "Steps 0 to 149: " in check.report()
