@@ -1,7 +1,8 @@
-"""Certified sets: tightness, families, times of proofs, forged certificates, finished runs.
+"""Certified sets: tightness, families, runs inside, times of proofs, forgeries, finished runs.
 
     python benchmarks/certified.py tightness [loops]   greedy motion at 0.999 and 1.1 of the radius
-    python benchmarks/certified.py families [plants]   plants and uncertainties of `design`
+    python benchmarks/certified.py families [random]   sets of random and 30 textbook plants, shares
+    python benchmarks/certified.py kept [plants] [draws]   RCAC without bounds, in a box, in the set
     python benchmarks/certified.py times               seconds of set and proof over l_theta
     python benchmarks/certified.py forged [count]      certificates of false claims that pass
     python benchmarks/certified.py runs                `certified_from` on the examples of the text
@@ -11,11 +12,14 @@ the next one. Its growth a step over 3000 steps is below 1 in the set, and above
 the set is tight. OPENBLAS_NUM_THREADS=1 makes small matrices faster.
 """
 
+import itertools
 import sys
 import time
+from collections import Counter, namedtuple
 from dataclasses import replace
 from fractions import Fraction
 
+import attrs
 import numpy as np
 from design_road import TEXTBOOK, random_plant
 
@@ -24,6 +28,9 @@ from rcac_numeric import (
     UD,
     ControllerSettings,
     Plant,
+    PlantChange,
+    PlantSchedule,
+    SimulationCase,
     Step,
     TargetModel,
     WhiteNoise,
@@ -36,10 +43,17 @@ from rcac_numeric import (
     pid,
     quasi_fir,
     simulate,
+    simulate_many,
 )
-from rcac_numeric.analysis._certified_set import centered_loop
+from rcac_numeric.analysis._certified_set import CertifiedSet, centered_loop
+from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.analysis._regressor_system import regressor_system
 from rcac_numeric.arrays._values import replaced
+from rcac_numeric.checks._diagnosis import largest_radius
+from rcac_numeric.designing._closed_loop_design import settings_of
+from rcac_numeric.designing._design import MOST_PROVED
+from rcac_numeric.designing._plants import Variation
+from rcac_numeric.designing._trials import whole_rms
 
 STEPS = 3000
 LAG = "2/(10*s + 1)"
@@ -144,21 +158,25 @@ def tightness(count=50):
     )
 
 
-def families(count=20, first=50_000):
-    """Sets of the plants of `design` with their uncertainties, and the share that RCAC uses."""
+def road(count, first=50_000):
+    """(name, G, dead time, sample time) of random plants, then of those of textbooks."""
     plants = [(f"random {i}", *random_plant(first + i)[1:], 1.0) for i in range(count)]
-    plants += [(name, G, late, h) for name, (G, h, late) in TEXTBOOK.items()]
+    return plants + [(name, G, late, h) for name, (G, h, late) in TEXTBOOK.items()]
+
+
+def families(count=55):
+    """Sets of the plants of `design` with their uncertainties, and the share that RCAC uses."""
     shares, nominal_shares, seconds, refused = [], [], [], []
-    for name, G, late, h in plants:
+    for name, G, late, h in road(count):
         try:
             result = design(G, sample_time=h, dead_time=late, disturbance=Step(1.0), seeds=1,
                            steps=1000)  # fmt: skip
         except CompensatorError as error:
-            print(f"{name}: no design: {str(error)[:80]}")
+            refused.append(f"{name}: no design: {error}")
             continue
         l_theta = result.settings.l_theta
-        if l_theta > 40:
-            print(f"{name}: l_theta = {l_theta}, left out")
+        if l_theta > MOST_PROVED:
+            refused.append(f"{name}: l_theta = {l_theta}, left out")
             continue
         start = time.perf_counter()
         try:
@@ -180,6 +198,134 @@ def families(count=20, first=50_000):
         print(f"{words}: {len(values)} sets, share of the radius median {middle:.3g}, 90 % "
               f"{high:.3g}, {np.sum(np.array(values) < 1)} runs inside")  # fmt: skip
     print(f"{len(refused)} refused; seconds: median {np.median(seconds):.2f}, {max(seconds):.1f}")
+
+
+PRIORS = (1.0, 0.1, 0.01, 0.001)
+KEPT = ("none", "box", "certified")
+KeptRun = namedtuple("KeptRun", "plant kind case draw prior way lost rms radius bounded")
+
+
+def cases_of(result, draws, steps):
+    """(kind, name, plant, w, sign of the target) of the runs of a design.
+
+    "family": the plants of the proof; "signals": the nominal plant, and what acts on it is hostile,
+    or the target has the wrong sign, which the proof covers; "plants": others, which it does not.
+    """
+    model, servo = result.model, result.plant
+    plants = {"nominal": servo, **result.family}
+    twice, later = (model.servo(v) for v in (Variation(gain=2.0), Variation(delay=2)))
+    changed = PlantSchedule([PlantChange(start=0, plant=servo),
+                             PlantChange(start=steps // 2, plant=twice)])  # fmt: skip
+    for i in range(draws):
+        w = result.expected.w(steps, 90_000 + i)
+        for name, plant in plants.items():
+            yield "family", name, plant, w, 1
+        noise = np.zeros_like(w)
+        noise[:, 1] = np.random.default_rng(i).standard_normal(steps)
+        loud = w + 2 * result.expected.disturbance_size * noise
+        yield "signals", "noise of d", servo, loud, 1
+        yield "signals", "wrong sign of H", servo, w, -1
+        yield "plants", "gain x 2 from the middle on", changed, w, 1
+        yield "plants", "delay + 2", later, w, 1
+
+
+def is_lost(run):
+    """Whether the run ended early, or its last controller is unstable with its last plant."""
+    if run.outcome != "completed":
+        return True
+    plant = run.plant.changes[-1].plant if isinstance(run.plant, PlantSchedule) else run.plant
+    return not frozen_loop(plant, run.compensator, 0).is_stable
+
+
+def rows_of(result, draws, steps=2000):
+    """(kind, case, draw, prior, way, lost, rms, radius, at the boundary) of runs of a design."""
+    settings, region = result.settings, result.certified
+    box = settings_of(result.model, result.reference, result.expected).bounds
+    ways = {"none": None, "box": box}
+    if isinstance(region, CertifiedSet):
+        ways["certified"] = region.bounds
+    turned = replaced(settings.target, numerator=-settings.target.numerator)
+    runs, keys = [], []
+    for i, (kind, name, plant, w, sign) in enumerate(cases_of(result, draws, steps)):
+        options = {"stride": 50}
+        runs.append(SimulationCase(plant, result.fixed, w, options))
+        keys.append((kind, name, i, 1.0, "fixed"))
+        for prior in PRIORS:
+            for way, bounds in ways.items():
+                update = UD(R_theta=settings.update.R_theta * prior)
+                target = settings.target if sign > 0 else turned
+                one = attrs.evolve(settings, update=update, target=target, bounds=bounds)
+                runs.append(SimulationCase(plant, one, w, options))
+                keys.append((kind, name, i, prior, way))
+    for key, run in zip(keys, simulate_many(runs), strict=True):
+        radius = largest_radius(run)
+        yield (*key, is_lost(run), whole_rms(run), radius, radius is not None and run.bounded > 0)
+
+
+def print_kept(rows, words):
+    """Lost runs, mean and worst rms over the fixed controller's, by prior and way."""
+    fixed = {(r.plant, r.draw): r for r in rows if r.way == "fixed"}
+    print(
+        f"\n{words}: {len({r.plant for r in rows})} plants. Lost runs, mean rms over fixed, worst"
+    )
+    for prior, way in [(1.0, "fixed"), *itertools.product(PRIORS, KEPT)]:
+        cells = []
+        for kind in ("family", "signals", "plants"):
+            group = [r for r in rows if (r.kind, r.prior, r.way) == (kind, prior, way)]
+            pairs = [(r, fixed[r.plant, r.draw]) for r in group]
+            ratios = [a.rms / b.rms for a, b in pairs if not (a.lost or b.lost)]
+            if ratios:
+                lost, mean = sum(r.lost for r in group), np.exp(np.mean(np.log(ratios)))
+                cells.append(f"{kind} {lost:4} of {len(group):4}, {mean:6.3f}, {max(ratios):8.3g}")
+        if cells:
+            print(f"prior x {prior:<5g} {way:9} | {' | '.join(cells)}")
+
+
+def kept(count=85, draws=3):
+    """Runs of RCAC without bounds, in the box and in the set, beside the fixed controller."""
+    plants = road(55)
+    plants = [plants[i] for i in np.unique(np.linspace(0, len(plants) - 1, count).astype(int))]
+    rows, without = [], []
+    for name, G, late, h in plants:
+        try:
+            result = design(G, sample_time=h, dead_time=late, disturbance=1.0, kept="certified",
+                            seeds=1, steps=200)  # fmt: skip
+        except CompensatorError as error:
+            print(f"{name}: no design: {str(error)[:80]}", flush=True)
+            continue
+        new = [KeptRun(name, *row) for row in rows_of(result, draws)]
+        proved = isinstance(result.certified, CertifiedSet)
+        (rows if proved else without).extend(new)
+        lost = Counter(r.way for r in new if r.kind == "family" and r.lost)
+        reason = "" if proved else f"no set: {result.certified[:120]}; "
+        print(f"{name}: l_theta {result.settings.l_theta}, {reason}{len(new)} runs, lost of the "
+              f"family {dict(lost)}", flush=True)  # fmt: skip
+    print(f"\n{len(rows) + len(without)} runs")
+    print_kept(rows, "Plants with a set")
+    moving = {
+        plant for plant in {r.plant for r in rows}
+        for prior in PRIORS for way in ("box", "certified") if gain(rows, plant, prior, way) < 0.97
+    }  # fmt: skip
+    print_kept(
+        [r for r in rows if r.plant in moving], "Of these where adaptation lowers rms by 3 %"
+    )
+    if without:
+        print_kept(without, "Plants without a set")
+    inside = [r for r in rows if r.way == "certified"]
+    for prior in PRIORS:
+        group = [r for r in inside if r.kind == "family" and r.prior == prior]
+        middle, high = np.quantile([r.radius for r in group], [0.5, 0.9])
+        share = np.mean([r.bounded for r in group])
+        print(f"prior x {prior:g}, family: share of the radius median {middle:.3g}, 90 % {high:.3g}"
+              f", at the boundary {share:.0%} of the runs")  # fmt: skip
+    print(f"largest radius of {len(inside)} runs: 1 - {1 - max(r.radius for r in inside):.2g}")
+
+
+def gain(rows, plant, prior, way):
+    """Median rms over the fixed controller's of the family's runs of one plant."""
+    group = [r for r in rows if r.plant == plant and r.kind == "family"]
+    fixed = {r.draw: r.rms for r in group if r.way == "fixed"}
+    return np.median([r.rms / fixed[r.draw] for r in group if (r.prior, r.way) == (prior, way)])
 
 
 def times():
@@ -272,7 +418,7 @@ def runs(steps=2000):
           f"steps after control begins; {np.median(seconds):.2f} s (median)")  # fmt: skip
 
 
-COMMANDS = {f.__name__: f for f in (tightness, families, times, forged, runs)}
+COMMANDS = {f.__name__: f for f in (tightness, families, kept, times, forged, runs)}
 
 if __name__ == "__main__":
     name, *numbers = sys.argv[1:] or ["tightness"]
