@@ -302,13 +302,6 @@ def kept(count=85, draws=3):
               f"family {dict(lost)}", flush=True)  # fmt: skip
     print(f"\n{len(rows) + len(without)} runs")
     print_kept(rows, "Plants with a set")
-    moving = {
-        plant for plant in {r.plant for r in rows}
-        for prior in PRIORS for way in ("box", "certified") if gain(rows, plant, prior, way) < 0.97
-    }  # fmt: skip
-    print_kept(
-        [r for r in rows if r.plant in moving], "Of these where adaptation lowers rms by 3 %"
-    )
     if without:
         print_kept(without, "Plants without a set")
     inside = [r for r in rows if r.way == "certified"]
@@ -319,13 +312,6 @@ def kept(count=85, draws=3):
         print(f"prior x {prior:g}, family: share of the radius median {middle:.3g}, 90 % {high:.3g}"
               f", at the boundary {share:.0%} of the runs")  # fmt: skip
     print(f"largest radius of {len(inside)} runs: 1 - {1 - max(r.radius for r in inside):.2g}")
-
-
-def gain(rows, plant, prior, way):
-    """Median rms over the fixed controller's of the family's runs of one plant."""
-    group = [r for r in rows if r.plant == plant and r.kind == "family"]
-    fixed = {r.draw: r.rms for r in group if r.way == "fixed"}
-    return np.median([r.rms / fixed[r.draw] for r in group if (r.prior, r.way) == (prior, way)])
 
 
 def times():
