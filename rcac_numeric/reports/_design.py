@@ -99,10 +99,7 @@ def _guarantee(design: Design) -> list[Text]:
             f"{limited} of {run.steps} steps of the nominal run."
         )
         lines.append(Text(words, "warning"))
-    lines.append(
-        Text("Not covered: other plants than these; `certified.report()` has the whole list.")
-    )
-    return lines
+    return [*lines, Text(f"Not covered: {'; '.join(region.uncovered)}.")]
 
 
 def _verdict(design: Design) -> Section:

@@ -83,6 +83,7 @@ def test_the_report_names_the_plants_of_the_proof(certified):
     assert "Proved in exact arithmetic for 6 plants (nominal, " in report
     assert all(name in report for name in certified.family)
     assert "Not covered: u_limits" not in report
+    assert all(words in report for words in certified.certified.uncovered)
     record = certified._sheet().record
     assert record["verdict"]["certified"]["plants"] == ["nominal", *certified.family]
 
@@ -148,3 +149,10 @@ def test_a_weak_prior_loses_no_plant_of_the_family(G, options):
         assert run.outcome == "completed" and designed.certified.contains(run.theta)
         assert np.isfinite(sensitivity(run))  # stable with the last theta
     assert any(run.bounded for run in runs)  # the set was needed
+
+
+def test_a_limit_of_an_integrator_is_not_covered_by_name():
+    structure = pid("PI", integral_limit=1.0)
+    limited = design("2/(10*s + 1)", kept="certified", structure=structure, **LAG)
+    assert isinstance(limited.settings.bounds, CertifiedBounds)
+    assert "limits of integrators" in " ".join(limited.report().split())
