@@ -1,6 +1,7 @@
 """Certified sets: tightness, families, runs inside, times of proofs, forgeries, finished runs.
 
     python benchmarks/certified.py tightness [loops]   greedy motion at 0.999 and 1.1 of the radius
+    python benchmarks/certified.py gains               gains and limits that move beside theta
     python benchmarks/certified.py families [random]   sets of random and 30 textbook plants, shares
     python benchmarks/certified.py kept [plants] [draws]   RCAC without bounds, in a box, in the set
     python benchmarks/certified.py times               seconds of set and proof over l_theta
@@ -23,7 +24,7 @@ import attrs
 import numpy as np
 from design_road import TEXTBOOK, random_plant
 
-from compensator_theory.errors import CompensatorError
+from compensator_theory.errors import CompensatorError, NoSolutionError
 from rcac_numeric import (
     UD,
     ControllerSettings,
@@ -45,9 +46,10 @@ from rcac_numeric import (
     simulate,
     simulate_many,
 )
-from rcac_numeric.analysis._certified_set import CertifiedSet, centered_loop
+from rcac_numeric.analysis._certified_set import CertifiedSet
 from rcac_numeric.analysis._closed_loop import frozen_loop
-from rcac_numeric.analysis._regressor_system import regressor_system
+from rcac_numeric.analysis._moving_gains import centered_loop
+from rcac_numeric.analysis._regressor_system import regressor_system, rounded_matrix
 from rcac_numeric.arrays._values import replaced
 from rcac_numeric.checks._diagnosis import largest_radius
 from rcac_numeric.designing._closed_loop_design import settings_of
@@ -156,6 +158,67 @@ def tightness(count=50):
         f"{min(inside):.4f} to {max(inside):.4f}, {np.sum(np.array(inside) >= 1)} at 1 or more; at "
         f"1.1: {known.min():.4f} to {known.max():.4f}, {np.sum(known > 1)} of {len(known)} above 1"
     )
+
+
+def hostile_growth(region, share):
+    """Growth a step where theta and the gains of one input make x'Px largest at the next step."""
+    member = region.members[0]
+    system = regressor_system(member.plant, region.structure, region.fixed)
+    P = np.array([[float(e) for e in row] for row in member.P])
+    A, C, center = rounded_matrix(system.A), system.outputs, region.center
+    through = rounded_matrix(system.plant_inputs)[:, 0]
+    memory = system.inputs[:, 0] - through
+    corners = [(v, s, g) for v in (-1, 1) for s in (region.limit_share, 1)
+               for g in region.input_gain]  # fmt: skip
+    v, s, g = np.array(corners).T
+    x, growth = np.random.default_rng(1).standard_normal(len(A)), 0.0
+    for k in range(STEPS):
+        phi = C @ x
+        u = s * (center @ phi + share * v * np.linalg.norm(region.regressor_factor.T @ phi))
+        after = (A @ x)[:, None] + np.outer(memory, u) + np.outer(through, g * u)
+        values = np.einsum("ic,ij,jc->c", after, P, after)
+        length = np.sqrt(values.max())
+        growth += np.log(length) if k >= STEPS // 2 else 0.0
+        x = after[:, values.argmax()] / length
+    return float(np.exp(growth / (STEPS - STEPS // 2)))
+
+
+MOVING = {
+    "gain in [0.8, 1.25]": {"input_gain": (0.8, 1.25)},
+    "limits pass 0.5": {"limit_share": 0.5},
+    "limits of any size": {"limit_share": 0.0},
+    "gain in [0.8, 1.25], limits pass 0.7": {"input_gain": (0.8, 1.25), "limit_share": 0.7},
+}
+
+
+def gains():
+    """Sets beside gains that move: their size, RCAC's share of the radius, hostile motions."""
+    sizes = {name: [] for name in MOVING}
+    for loop, (G, options) in DESIGNED.items():
+        result = designed(G, options)
+        if result.plant.l_u > 1:
+            continue
+        theta = result.runs["RCAC"].theta
+        alone = certified_set(result.plant, result.settings)
+        volume = np.linalg.slogdet(alone.factor)[1]
+        print(f"{loop}: RCAC uses {alone.radius_of(theta).max():.2f} of the set without motion")
+        for name, moving in MOVING.items():
+            start = time.perf_counter()
+            try:
+                region = certified_set(result.plant, result.settings, **moving)
+            except NoSolutionError as error:
+                print(f"  {name}: none ({str(error)[:70]}...)", flush=True)
+                continue
+            took = time.perf_counter() - start
+            size = np.exp((np.linalg.slogdet(region.factor)[1] - volume) / len(region.center))
+            sizes[name].append(size)
+            print(f"  {name}: linear size {size:.2f}, RCAC uses "
+                  f"{region.radius_of(theta).max():.2f}, verified {region.is_verified}, growth at "
+                  f"0.999 {hostile_growth(region, 0.999):.4f}, at 1.1 "
+                  f"{hostile_growth(region, 1.1):.4f}, at 1.3 {hostile_growth(region, 1.3):.4f}; "
+                  f"{took:.1f} s", flush=True)  # fmt: skip
+    for name, values in sizes.items():
+        print(f"{name}: {len(values)} sets, median linear size {np.median(values):.2f}")
 
 
 def road(count, first=50_000):
@@ -404,7 +467,7 @@ def runs(steps=2000):
           f"steps after control begins; {np.median(seconds):.2f} s (median)")  # fmt: skip
 
 
-COMMANDS = {f.__name__: f for f in (tightness, families, kept, times, forged, runs)}
+COMMANDS = {f.__name__: f for f in (tightness, gains, families, kept, times, forged, runs)}
 
 if __name__ == "__main__":
     name, *numbers = sys.argv[1:] or ["tightness"]

@@ -24,19 +24,21 @@ SETTLED = flint.arb(2) ** -300
 
 @dataclass(frozen=True)
 class GainBound:
-    r"""The bound :math:`T(z)^* T(z) < R` on the circle abs(z) = rate, T(z) = C (zI - A)^-1 B.
+    r"""The bound :math:`T(z)^* T(z) < R` on the circle abs(z) = rate, T(z) = C (zI - A)^-1 B + D.
 
     For R = I and rate = 1 it is an H-infinity norm below 1. It holds with every pole of A inside
     that circle if and only if there is P > 0 with
 
-    .. math:: \begin{bmatrix} a^2 P - A'PA - a^2 C'C & -A'PB \\
-              -B'PA & a^2 R - B'PB \end{bmatrix} > 0, \qquad a = \mathrm{rate}
+    .. math:: \begin{bmatrix} a^2 P - A'PA - a^2 C'C & -A'PB - a^2 C'D \\
+              -B'PA - a^2 D'C & a^2 (R - D'D) - B'PB \end{bmatrix} > 0, \qquad a = \mathrm{rate}
 
     Attributes
     ----------
     A, B, C, R : flint.fmpq_mat
         Sizes n x n, n x m, p x n and m x m; R symmetric and positive definite.
     rate : flint.fmpq
+    D : flint.fmpq_mat or None
+        p x m; None for zero.
 
     Notes
     -----
@@ -49,6 +51,7 @@ class GainBound:
     C: flint.fmpq_mat
     R: flint.fmpq_mat
     rate: flint.fmpq
+    D: flint.fmpq_mat | None = None
 
     def matrix(self, P: flint.fmpq_mat) -> flint.fmpq_mat:
         """Return the matrix of the lemma, (n + m) x (n + m)."""
@@ -57,6 +60,9 @@ class GainBound:
         inner = P * square - rows * self.A - (self.C.transpose() * self.C) * square
         mixed = rows * self.B
         outer = self.R * square - self.B.transpose() * P * self.B
+        if self.D is not None:
+            mixed += (self.C.transpose() * self.D) * square
+            outer -= (self.D.transpose() * self.D) * square
         entries = []
         for row, beside in zip(inner.tolist(), mixed.tolist(), strict=True):
             entries += row + [-entry for entry in beside]
@@ -80,12 +86,16 @@ class GainBound:
         diagonal of the reachability Gramian: what the slack adds is relative to R, whatever the
         units of the states are. None says nothing about the bound.
         """
-        sizes = self._reached()
+        sizes = self._reached() if is_positive_definite(self._remaining()) else None
         for slack in slacks:
             P = None if sizes is None else self._riccati_solution([slack / w for w in sizes])
             if P is not None and self.is_proved_by(P):
                 return P
         return None
+
+    def _remaining(self) -> flint.fmpq_mat:
+        """Return R - D'D."""
+        return self.R if self.D is None else self.R - self.D.transpose() * self.D
 
     def _reached(self) -> list[flint.arb] | None:
         """Return the diagonal of sum A^k B R^-1 B'A'^k, 1 for zero; None where it diverges."""
@@ -104,6 +114,9 @@ class GainBound:
     def _riccati_solution(self, slack: list[flint.arb]) -> flint.fmpq_mat | None:
         """Solve P = A'P (I - B R^-1 B'P)^-1 A + C'C + slack by doubling, rounded to BITS.
 
+        With D, A + B (R - D'D)^-1 D'C is in the place of A, R - D'D in that of R, and
+        C'(I + D (R - D'D)^-1 D') C in that of C'C.
+
         Source: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396 (2005) 55-80.
         """
         n = self.A.nrows()
@@ -114,10 +127,14 @@ class GainBound:
                 diagonal[i, i] = entry
             scale = flint.arb(1) / flint.arb(self.rate)
             A, B = flint.arb_mat(self.A) * scale, flint.arb_mat(self.B) * scale
-            C = flint.arb_mat(self.C)
-            G = (-(B * flint.arb_mat(self.R.inv()) * B.transpose())).mid()
-            H = (C.transpose() * C + diagonal).mid()
-            A = A.mid()
+            C, inverse = flint.arb_mat(self.C), flint.arb_mat(self._remaining().inv())
+            H = C.transpose() * C + diagonal
+            if self.D is not None:
+                cross = flint.arb_mat(self.D).transpose() * C
+                A += B * inverse * cross
+                H += cross.transpose() * inverse * cross
+            G = (-(B * inverse * B.transpose())).mid()
+            H, A = H.mid(), A.mid()
             for _ in range(DOUBLINGS):
                 try:
                     within = (identity + G * H).inv().mid()

@@ -15,15 +15,16 @@ from numpy.typing import ArrayLike
 from compensator_theory import figures
 from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import IllConditionedError, InputError, NoSolutionError
-from compensator_theory.stability._bounded_real_lemma import GainBound
-from rcac_numeric.analysis._ellipsoids import largest_for_matrices, responses_on_grid
-from rcac_numeric.analysis._peaks import hinf_norm
-from rcac_numeric.analysis._regressor_system import (
-    RegressorSystem,
-    exact,
-    rational_matrix,
-    regressor_system,
+from rcac_numeric.analysis._ellipsoids import largest_for_matrices
+from rcac_numeric.analysis._moving_gains import (
+    InputGains,
+    PerturbedLoop,
+    RoundedLoop,
+    centered_loop,
+    input_gains,
+    perturbed_loop,
 )
+from rcac_numeric.analysis._regressor_system import regressor_system
 from rcac_numeric.analysis._stability import is_schur_stable
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
@@ -39,43 +40,13 @@ from rcac_numeric.plants._schedules import PlantSchedule
 
 SHAPES = ("prior", "volume")
 MARGINS = (1e-4, 1e-3, 1e-2, 0.1)  # shares of the radius that the exact check may cost
+ALTERNATIONS = 2  # between the ellipsoid and the multipliers of gains that move
 CAPPED = 0.98  # least norm that is scaled to 1; below it the caps bound the set
 CAP = 3.0  # of the largest coefficient of a signal: half of the longest interval
 DEPENDENT = 1e-9  # of the largest singular value, below which a direction counts as dependent
 SMALL, TERMS = 1e-3, 8  # of a direction: entries that are left out, and those written at most
 RATES = (1.0, 0.99, 0.98, 0.95, 0.9, 0.8)
 Storage = tuple[tuple[Fraction, ...], ...]
-
-
-@dataclass(frozen=True, eq=False)
-class CenteredLoop:
-    """The loop of the center in float64: A = A_o + B Theta_0 C, and T = C (zI - A)^-1 B."""
-
-    A: Array
-    B: Array
-    C: Array
-
-    @property
-    def spectral_radius(self) -> float:
-        """Largest modulus of a computed pole."""
-        return float(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0))
-
-    def peak(self, K: Array, scale: Array, rate: float) -> float:
-        """Return sup abs(K' T R^-1/2) on abs(z) = rate; infinite where a pole lies outside."""
-        if not self.spectral_radius < rate:
-            return np.inf
-        C = K.T @ self.C
-        none = np.zeros((len(C), len(scale)))
-        return hinf_norm((self.A / rate, self.B * scale / rate, C, none))[0]
-
-    def responses(self, rate: float) -> ComplexArray:
-        """Return T on a grid of abs(z) = rate."""
-        return responses_on_grid(self.A / rate, self.B / rate, self.C)
-
-
-def centered_loop(system: RegressorSystem, center: Array) -> CenteredLoop:
-    """Return the loop of the center, each entry rounded once."""
-    return CenteredLoop(system.loop_matrix(center), system.inputs, system.outputs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +61,15 @@ class CertifiedMember(Result):
         Of the bounded real lemma: x'Px decreases at every step, whatever theta in the set is. x is
         the state of the plant, then past u, y and derived signals, and those of a fixed
         compensator in parallel.
+    multipliers : array, shape (gains,)
+        Scalings of the gains that move beside theta: of limits, then of the plant's inputs. Empty
+        where none moves.
     """
 
     name: str
     plant: Plant
     P: Storage = field(repr=False)
+    multipliers: Array = field(default_factory=lambda: np.zeros(0), repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +103,10 @@ class CertifiedSet(Result):
     dependent : array, shape (directions, l_phi)
         Directions of theta that move no pole: entries of the regressor depend on each other. The
         set is capped there.
+    input_gain : (float, float)
+        Between which the gain at each input of the plants moves in any way beside theta.
+    limit_share : float
+        Limits apply at least this share of each u, in any way.
 
     Notes
     -----
@@ -147,6 +126,8 @@ class CertifiedSet(Result):
     members: tuple[CertifiedMember, ...]
     uncovered: tuple[str, ...]
     dependent: Array
+    input_gain: tuple[float, float] = (1.0, 1.0)
+    limit_share: float = 1.0
 
     @cached_property
     def factor(self) -> Array:
@@ -191,17 +172,22 @@ class CertifiedSet(Result):
         shares = {}
         for value in rates:
             rate = _rate(value)
-            peak = max(
-                loop.peak(self.regressor_factor, self.input_scale, rate) for loop in self._loops
+            shares[rate] = min(
+                loop.radius(self.regressor_factor, self.input_scale, rate, member.multipliers)
+                for member, loop in zip(self.members, self._loops, strict=True)
             )
-            shares[rate] = 1 / max(peak, 1e-300) if np.isfinite(peak) else 0.0
         return shares
 
     @cached_property
     def peaks(self) -> dict[str, float]:
-        """Norms of T of each member in the metric of the set, in float64; 1 is the bound."""
+        """Norms of T of each member in the metric of the set, in float64; 1 is the bound.
+
+        With gains that move it is the norm of T with their rows and columns, scaled.
+        """
         return {
-            member.name: loop.peak(self.regressor_factor, self.input_scale, self.rate)
+            member.name: loop.peak(
+                self.regressor_factor, self.input_scale, self.rate, member.multipliers
+            )
             for member, loop in zip(self.members, self._loops, strict=True)
         }
 
@@ -215,14 +201,17 @@ class CertifiedSet(Result):
         """
         if not self._is_ellipsoid():
             return False
+        gains = InputGains(*self.input_gain, self.limit_share)
         K, scale = self.regressor_factor, self.input_scale
-        return all(
-            bound_of(
-                regressor_system(member.plant, self.structure, self.fixed),
-                self.center, K, scale, self.rate,
-            ).is_proved_by(matrix_of(member.P))
-            for member in self.members
-        )  # fmt: skip
+        for member in self.members:
+            system = regressor_system(member.plant, self.structure, self.fixed)
+            loop = perturbed_loop(system, self.center, gains)
+            s = member.multipliers
+            if s.shape != (loop.gains,) or not (np.isfinite(s) & (s > 0)).all():
+                return False
+            if not loop.bound(K, scale, s, self.rate).is_proved_by(matrix_of(member.P)):
+                return False
+        return True
 
     def _is_ellipsoid(self) -> bool:
         K, scale = self.regressor_factor, self.input_scale
@@ -235,14 +224,17 @@ class CertifiedSet(Result):
             and (scale > 0).all()
             and self.center.shape == (self.structure.l_theta,)
             and 0 < self.rate <= 1
+            and 0 <= self.input_gain[0] <= self.input_gain[1] < np.inf
+            and 0 <= self.limit_share <= 1
             and self.members
         )
 
     @cached_property
-    def _loops(self) -> list[CenteredLoop]:
+    def _loops(self) -> list[RoundedLoop]:
         """The loop of `center` on every member."""
+        gains = InputGains(*self.input_gain, self.limit_share)
         systems = [regressor_system(m.plant, self.structure, self.fixed) for m in self.members]
-        return [centered_loop(system, self.center) for system in systems]
+        return [centered_loop(system, self.center, gains) for system in systems]
 
     @property
     def spectral_radius(self) -> float:
@@ -292,6 +284,8 @@ def certified_set(
     uncertainty: Mapping[str, Any] | Sequence[Any] | None = None,
     shape: Literal["prior", "volume"] = "prior",
     rate: float = 1.0,
+    input_gain: tuple[float, float] = (1.0, 1.0),
+    limit_share: float = 1.0,
 ) -> CertifiedSet:
     """Find and prove an ellipsoid around theta_0 in which no motion of theta loses the loop.
 
@@ -312,6 +306,14 @@ def certified_set(
         going to move: it minimises tr(M^-1 P(0)). "volume": the one of the largest volume.
     rate : float
         At most 1: abs(x(k)) decays as rate^k or faster.
+    input_gain : (low, high)
+        The gain at each input of the plants may move between these at every step, in any way,
+        while theta moves: an actuator whose effectiveness varies, for instance (0.8, 1.25). It
+        counts beside the gain that a plant has.
+    limit_share : float
+        Limits of the magnitude of u may act as long as they apply at least this share of it: the
+        limit over the largest abs(u) that the controller requests. 0 allows limits of any size,
+        which a plant that is unstable without control excludes.
 
     Returns
     -------
@@ -321,7 +323,8 @@ def certified_set(
     ------
     NoSolutionError
         Where theta_0 itself does not stabilise one of the plants, which is named: no set contains
-        it then, and `CoefficientBounds` let theta leave it. Where no proof was found.
+        it then, and `CoefficientBounds` let theta leave it. Likewise at an end of `input_gain` or
+        `limit_share`. Where no proof was found.
     ImproperError, BudgetError
         Where y follows u at once, or the loop has too many states.
     InputError
@@ -333,6 +336,11 @@ def certified_set(
     The float64 numbers of plant, theta_0 and factor are dyadic rationals, so that what is proved is
     the loop of exactly these numbers. The matrix P of each plant follows by doubling in 448 bits;
     the radius shrinks by 1e-4 to 0.1 until LDL' in balls proves it.
+
+    Gains that move are further blocks of the small-gain condition, scaled by a multiplier each,
+    which is found in float64 and is a part of the certificate. A limit passes s(k) u(k) with s in
+    [limit / abs(u), 1]: that is proved, not that abs(u) stays below the peak that `limit_share`
+    assumes. Limits of the rate of u are not covered.
 
     Examples
     --------
@@ -350,19 +358,26 @@ def certified_set(
     instance_of(settings, "settings", ControllerSettings)
     one_of(shape, "shape", SHAPES)
     rate = _rate(rate)
+    gains = input_gains(input_gain, limit_share)
     plants = _plants(plant, uncertainty)
     structure, fixed, center = settings.structure, settings.fixed, settings.theta_0
     prior = _prior(settings) if shape == "prior" else None
     systems = {name: regressor_system(one, structure, fixed) for name, one in plants.items()}
-    loops = {name: centered_loop(system, center) for name, system in systems.items()}
-    _require_stable(loops, rate)
-    responses = np.concatenate([loop.responses(rate) for loop in loops.values()])
+    loops = {name: centered_loop(system, center, gains) for name, system in systems.items()}
+    corners = _stable_corners(loops, gains, rate)
+    responses = np.concatenate([loop.responses(rate) for loop in corners])
     scale = _input_scale(responses, prior)
     caps = _caps(structure, center, scale, prior)
     metric = None if prior is None else _regressor_metric(prior, scale)
     K = largest_for_matrices(np.asarray(responses * scale, np.complex128), caps, metric)
-    peak = max(loop.peak(K, scale, rate) for loop in loops.values())
-    K, storages = proved(list(systems.values()), center, K / max(peak, CAPPED), scale, rate)
+    multipliers = [np.zeros(0)] * len(loops)
+    if gains.is_fixed:
+        peak = max(loop.peak(K, scale, rate) for loop in loops.values())
+        K = K / max(peak, CAPPED)
+    else:
+        K, multipliers = _beside_gains(loops, K, scale, rate, caps, metric)
+    exact_loops = [perturbed_loop(system, center, gains) for system in systems.values()]
+    K, storages = proved(exact_loops, K, scale, rate, multipliers)
     return CertifiedSet(
         structure=structure,
         fixed=fixed,
@@ -372,11 +387,13 @@ def certified_set(
         rate=rate,
         shape=shape,
         members=tuple(
-            CertifiedMember(name, one, P)
-            for (name, one), P in zip(plants.items(), storages, strict=True)
+            CertifiedMember(name, one, P, s)
+            for (name, one), P, s in zip(plants.items(), storages, multipliers, strict=True)
         ),
-        uncovered=_uncovered(settings, len(plants)),
+        uncovered=_uncovered(settings, len(plants), gains),
         dependent=dependent_directions(responses),
+        input_gain=(gains.low, gains.high),
+        limit_share=gains.share,
     )
 
 
@@ -435,23 +452,63 @@ def _prior(settings: ControllerSettings) -> Array:
     return np.asarray(np.linalg.inv(weight * np.outer(d, d)) * np.outer(d, d))
 
 
-def _require_stable(loops: Mapping[str, CenteredLoop], rate: float) -> None:
-    """Raise if theta_0 does not stabilise every plant."""
-    lost = []
+def _stable_corners(
+    loops: Mapping[str, RoundedLoop], gains: InputGains, rate: float
+) -> list[RoundedLoop]:
+    """Return the loops with the gains in the middle and at the ends; raise if one is unstable."""
+    lost, corners = [], []
     for name, loop in loops.items():
-        try:
-            stable = is_schur_stable(loop.A / rate)
-        except IllConditionedError:
-            stable = False
-        if not stable:
-            lost.append(f"{name} (spectral radius {loop.spectral_radius:.6g})")
+        for words, deltas in gains.corners(loop.inputs):
+            corner = loop.held(deltas) if deltas else loop
+            corners.append(corner)
+            try:
+                stable = is_schur_stable(corner.A / rate)
+            except IllConditionedError:
+                stable = False
+            if not stable:
+                where = f" with {words}" if words else ""
+                lost.append(f"{name}{where} (spectral radius {corner.spectral_radius:.6g})")
     if lost:
         decay = "" if rate == 1 else f" with the decay rate {rate:g}"
+        narrower = "" if gains.is_fixed else ", narrow input_gain or raise limit_share"
         raise NoSolutionError(
             f"theta_0 itself does not stabilise the loop{decay} on {', '.join(lost)}, so that no "
-            "set around it is certified. Choose another theta_0, leave these plants out of "
-            "uncertainty, or bound theta by CoefficientBounds, which let it leave theta_0."
+            f"set around it is certified. Choose another theta_0, leave these plants out of "
+            f"uncertainty{narrower}, or bound theta by CoefficientBounds, which let it leave "
+            "theta_0."
         )
+    return corners
+
+
+def _beside_gains(
+    loops: Mapping[str, RoundedLoop],
+    K: Array,
+    scale: Array,
+    rate: float,
+    caps: Array,
+    metric: Array | None,
+) -> tuple[Array, list[Array]]:
+    """Return K and the multipliers of each loop: multipliers for K, K for them, and again."""
+    allowances = {name: loop.allowance(scale, rate) for name, loop in loops.items()}
+    multipliers: list[Array] = []
+    for repetition in range(ALTERNATIONS + 1):
+        multipliers = []
+        for name, allowance in allowances.items():
+            s = allowance.best_multipliers(K)
+            if s is None:
+                raise NoSolutionError(
+                    f"no motion of the gains of this size is proved on {name}, with theta = "
+                    "theta_0 already: narrow input_gain or raise limit_share."
+                )
+            multipliers.append(s)
+        if repetition < ALTERNATIONS:
+            points = [
+                T for allowance, s in zip(allowances.values(), multipliers, strict=True)
+                if (T := allowance.effective(s)) is not None
+            ]  # fmt: skip
+            K = largest_for_matrices(np.concatenate(points), caps, metric)
+    pairs = list(zip(allowances.values(), multipliers, strict=True))
+    return K * min(1 / CAPPED, *(allowance.radius(K, s) for allowance, s in pairs)), multipliers
 
 
 def _input_scale(responses: ComplexArray, prior: Array | None) -> Array:
@@ -491,28 +548,20 @@ def _regressor_metric(prior: Array, scale: Array) -> Array:
     return np.asarray(np.einsum("iaja,a->ij", blocks, scale**-2.0))
 
 
-def bound_of(
-    system: RegressorSystem, center: Array, K: Array, scale: Array, rate: float
-) -> GainBound:
-    """Return the bound T* M T < R of a loop, exact."""
-    C = rational_matrix(exact(K.T)) * system.C
-    m = len(scale)
-    R = fmpq_mat(m, m)
-    for i, entry in enumerate(exact(scale)):
-        R[i, i] = 1 / entry**2
-    return GainBound(system.loop(center), system.B, C, R, fmpq(*rate.as_integer_ratio()))
-
-
 def proved(
-    systems: Sequence[RegressorSystem], center: Array, K: Array, scale: Array, rate: float
+    loops: Sequence[PerturbedLoop],
+    K: Array,
+    scale: Array,
+    rate: float,
+    multipliers: Sequence[Array],
 ) -> tuple[Array, list[Storage]]:
-    """Shrink K until each system has a proof; return it and the matrices P."""
-    storages: list[fmpq_mat | None] = [None] * len(systems)
+    """Shrink K until each loop has a proof; return it and the matrices P."""
+    storages: list[fmpq_mat | None] = [None] * len(loops)
     for margin in MARGINS:
         smaller = K * (1 - margin)
-        for i, system in enumerate(systems):
+        for i, (loop, s) in enumerate(zip(loops, multipliers, strict=True)):
             if storages[i] is None:  # a P of a larger set proves the smaller one
-                storages[i] = bound_of(system, center, smaller, scale, rate).certificate()
+                storages[i] = loop.bound(smaller, scale, s, rate).certificate()
         if all(P is not None for P in storages):
             return smaller, [fractions_of(P) for P in storages if P is not None]
     raise NoSolutionError(
@@ -549,16 +598,32 @@ def dependent_directions(responses: ComplexArray) -> Array:
     return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
 
 
-def _uncovered(settings: ControllerSettings, plants: int) -> tuple[str, ...]:
+def _uncovered(settings: ControllerSettings, plants: int, gains: InputGains) -> tuple[str, ...]:
     """Return what the proof does not cover."""
+    limited, amplified = gains.moving()
+    among = (
+        ""
+        if amplified is None
+        else f" otherwise than by input gains in [{gains.low:g}, {gains.high:g}]"
+    )
     listed = (
         "other plants than the nominal one: give them as uncertainty"
         if plants == 1
         else f"plants beside the {plants} of the list: what lies between two of them, two changes "
-        "at once, and a plant that moves among them"
+        f"at once, and a plant that moves among them{among}"
+    )
+    if plants == 1 and amplified is not None:
+        listed = (
+            f"other plants than the nominal one with input gains in [{gains.low:g}, "
+            f"{gains.high:g}]: give them as uncertainty"
+        )
+    limits = (
+        "limits of u: at a limit the loop is another one"
+        if limited is None
+        else f"limits that apply less than {gains.share:g} of u, and limits of its rate"
     )
     entries = [
-        "limits of u: at a limit the loop is another one",
+        limits,
         listed,
         "the plant between its samples, and the rounding of a continuous plant to these samples",
         "performance: the loop is stable in the whole set, and may be poor near its boundary",

@@ -18,7 +18,6 @@ from rcac_numeric.analysis._certified_set import (
     CAP,
     CertifiedMember,
     CertifiedSet,
-    centered_loop,
     dependent_directions,
     proved,
 )
@@ -28,6 +27,7 @@ from rcac_numeric.analysis._ellipsoids import (
     lower_factor,
     weighted_points,
 )
+from rcac_numeric.analysis._moving_gains import centered_loop, perturbed_loop
 from rcac_numeric.analysis._regressor_system import exact, rational_matrix, regressor_system
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import report_of, summary_of
@@ -256,7 +256,7 @@ def _largest_tail(
     points = weighted_points(np.concatenate(list((responses * scale).transpose(2, 0, 1))), caps)
     K = _Search(points, changes).earliest()
     K = K / max(loop.peak(K, scale, 1.0), 1.0)
-    K, storages = proved([system], center, K, scale, 1.0)
+    K, storages = proved([perturbed_loop(system, center)], K, scale, 1.0, [np.zeros(0)])
     outside = np.flatnonzero(_squares(K, changes)[0] >= 1 - 1e-9)
     index = int(outside[-1]) + 1 if outside.size else 0
     region = CertifiedSet(

@@ -34,11 +34,17 @@ class RegressorSystem:
     ----------
     A, B, C : flint.fmpq_mat
         Exact: the float64 numbers of plant and structure are dyadic rationals.
+    plant_inputs : flint.fmpq_mat
+        The part of B that acts through the plant, n x l_u; the rest of B is memory of u.
+    parallel : flint.fmpq_mat
+        The output of the fixed compensator in parallel, l_u x n.
     """
 
     A: fmpq_mat
     B: fmpq_mat
     C: fmpq_mat
+    plant_inputs: fmpq_mat
+    parallel: fmpq_mat
 
     def loop(self, theta: Array) -> fmpq_mat:
         """Return A + B Theta C for the coefficients theta in the order of the product."""
@@ -197,7 +203,10 @@ class _Registers:
                 else:
                     A[rows] = present[name]
         C = np.array([self.read(tap) for tap in self.structure.taps], dtype=object)
-        return RegressorSystem(*(rational_matrix(part) for part in (A, B, C)))
+        inputs = exact(np.zeros((n, m)))
+        inputs[: plant.n] = exact(plant.B)
+        parts = (A, B, C, inputs, self.beside)
+        return RegressorSystem(*(rational_matrix(part) for part in parts))
 
 
 def _reads_y(signal: DerivedSignal, l_y: int) -> bool:
