@@ -460,11 +460,17 @@ def runs(steps=2000):
             continue
         verified = tail.is_verified
         proofs += verified
-        after.append(tail.k0 - max(one.settings.k_w, tail.start))
+        begin = max(one.settings.k_w, tail.start)
+        after.append((tail.k0 - begin, tail.earliest - begin))
         print(f"{identifier}: l {run.theta.shape[1]}, control from {one.settings.k_w}, proved from "
-              f"{tail.k0}, {verified}, {seconds[-1]:.2f} s", flush=True)  # fmt: skip
-    print(f"{len(after)} of {len(seconds)} runs, {proofs} verified: median {np.median(after):.0f} "
-          f"steps after control begins; {np.median(seconds):.2f} s (median)")  # fmt: skip
+              f"{tail.k0}, no set before {tail.earliest}, {verified}, {seconds[-1]:.2f} s",
+              flush=True)  # fmt: skip
+    steps_after, possible = np.array(after).T
+    print(f"{len(after)} of {len(seconds)} runs, {proofs} verified: median "
+          f"{np.median(steps_after):.0f} steps after control begins, {min(steps_after)} to "
+          f"{max(steps_after)}; no set before {np.median(possible):.0f} (median), "
+          f"at most 2 steps later in {np.sum(steps_after - possible <= 2)}; {np.median(seconds):.2f} s (median), "
+          f"{max(seconds):.0f} at most")  # fmt: skip
 
 
 COMMANDS = {f.__name__: f for f in (tightness, gains, families, kept, times, forged, runs)}

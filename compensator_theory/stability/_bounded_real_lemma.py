@@ -88,8 +88,32 @@ class GainBound:
         """
         sizes = self._reached() if is_positive_definite(self._remaining()) else None
         for slack in slacks:
-            P = None if sizes is None else self._riccati_solution([slack / w for w in sizes])
+            solutions = None if sizes is None else self._solutions([slack / w for w in sizes], None)
+            P = None if solutions is None else _rational(solutions[1])
             if P is not None and self.is_proved_by(P):
+                return P
+        return None
+
+    def largest_certificate(
+        self, slacks: tuple[float, ...] = (1e-9, 1e-16, 1e-24)
+    ) -> flint.fmpq_mat | None:
+        """Return a P near the largest one, of dyadic rationals; None where none was found.
+
+        x'Px is then nearly the least supply sum a^(2 (N - k)) (v'Rv - y'y) that brings the state
+        from 0 to x, so that {x: x'Px <= c} is the smallest set of this kind that holds what a
+        supply of c reaches. Its inverse Q solves Q = A Q (I - C'C Q)^-1 A' + B R^-1 B' + slack W.
+        """
+        sizes = self._reached() if is_positive_definite(self._remaining()) else None
+        for slack in slacks:
+            solutions = None if sizes is None else self._solutions(None, [slack * w for w in sizes])
+            if solutions is None:
+                continue
+            with ball_precision(BITS):
+                try:
+                    P = _rational((-solutions[0]).inv())
+                except ZeroDivisionError:  # its ball holds a singular matrix
+                    continue
+            if self.is_proved_by(P):
                 return P
         return None
 
@@ -111,30 +135,33 @@ class GainBound:
                     return [W[i, i] if W[i, i] > 0 else flint.arb(1) for i in range(n)]
         return None
 
-    def _riccati_solution(self, slack: list[flint.arb]) -> flint.fmpq_mat | None:
-        """Solve P = A'P (I - B R^-1 B'P)^-1 A + C'C + slack by doubling, rounded to BITS.
+    def _solutions(
+        self, slack: list[flint.arb] | None, input_slack: list[flint.arb] | None
+    ) -> tuple[flint.arb_mat, flint.arb_mat] | None:
+        """Return -Q and P by one doubling: P = A'P (I - B R^-1 B'P)^-1 A + C'C + slack.
 
-        With D, A + B (R - D'D)^-1 D'C is in the place of A, R - D'D in that of R, and
-        C'(I + D (R - D'D)^-1 D') C in that of C'C.
+        Q is the solution of the dual equation. With D, A + B (R - D'D)^-1 D'C is in the place of A,
+        R - D'D in that of R, and C'(I + D (R - D'D)^-1 D') C in that of C'C.
 
         Source: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396 (2005) 55-80.
         """
         n = self.A.nrows()
         with ball_precision(BITS):
-            identity = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
-            diagonal = flint.arb_mat(n, n)
-            for i, entry in enumerate(slack):
-                diagonal[i, i] = entry
+            identity = _diagonal([flint.arb(1)] * n)
             scale = flint.arb(1) / flint.arb(self.rate)
             A, B = flint.arb_mat(self.A) * scale, flint.arb_mat(self.B) * scale
             C, inverse = flint.arb_mat(self.C), flint.arb_mat(self._remaining().inv())
-            H = C.transpose() * C + diagonal
+            H = C.transpose() * C
             if self.D is not None:
                 cross = flint.arb_mat(self.D).transpose() * C
                 A += B * inverse * cross
                 H += cross.transpose() * inverse * cross
-            G = (-(B * inverse * B.transpose())).mid()
-            H, A = H.mid(), A.mid()
+            G = -(B * inverse * B.transpose())
+            if slack is not None:
+                H += _diagonal(slack)
+            if input_slack is not None:
+                G -= _diagonal(input_slack)
+            G, H, A = G.mid(), H.mid(), A.mid()
             for _ in range(DOUBLINGS):
                 try:
                     within = (identity + G * H).inv().mid()
@@ -142,12 +169,30 @@ class GainBound:
                     return None
                 forward = within * A
                 added = (A.transpose() * H * forward).mid()
-                G = (G + A * within * G * A.transpose()).mid()
-                H = ((H + added + (H + added).transpose()) / 2).mid()
+                reached = (A * within * G * A.transpose()).mid()
+                G = (G + (reached + reached.transpose()) / 2).mid()
+                H = (H + (added + added.transpose()) / 2).mid()
                 A = (A * forward).mid()
-                if not all(H[i, i] > 0 for i in range(n)):
+                if not all(H[i, i] >= 0 and G[i, i] <= 0 for i in range(n)):
                     return None
-                if all(abs(added[i, i]) <= SETTLED * H[i, i] for i in range(n)):
-                    upper = [H[min(i, j), max(i, j)].fmpq() for i in range(n) for j in range(n)]
-                    return flint.fmpq_mat(n, n, upper)
+                if all(
+                    abs(added[i, i]) <= SETTLED * H[i, i]
+                    and abs(reached[i, i]) <= SETTLED * abs(G[i, i])
+                    for i in range(n)
+                ):
+                    return G, H
         return None
+
+
+def _diagonal(entries: list[flint.arb]) -> flint.arb_mat:
+    matrix = flint.arb_mat(len(entries), len(entries))
+    for i, entry in enumerate(entries):
+        matrix[i, i] = entry
+    return matrix
+
+
+def _rational(matrix: flint.arb_mat) -> flint.fmpq_mat:
+    """Return the midpoints above the diagonal as a symmetric rational matrix."""
+    n = matrix.nrows()
+    entries = [matrix[min(i, j), max(i, j)].mid().fmpq() for i in range(n) for j in range(n)]
+    return flint.fmpq_mat(n, n, entries)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +16,7 @@ from compensator_theory.matrices._definiteness import pivots_are_positive
 from compensator_theory.polynomials._ball_precision import ball_precision
 from rcac_numeric.analysis._certified_set import (
     CAP,
+    MARGINS,
     CertifiedMember,
     CertifiedSet,
     dependent_directions,
@@ -28,7 +29,12 @@ from rcac_numeric.analysis._ellipsoids import (
     weighted_points,
 )
 from rcac_numeric.analysis._moving_gains import centered_loop, perturbed_loop
-from rcac_numeric.analysis._regressor_system import exact, rational_matrix, regressor_system
+from rcac_numeric.analysis._regressor_system import (
+    RegressorSystem,
+    exact,
+    rational_matrix,
+    regressor_system,
+)
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of
@@ -45,6 +51,7 @@ BITS = 256  # of the balls that hold theta - center in coordinates of the ellips
 REACH = 1 - 6e-4  # square of the radius that the search gives to the farthest theta
 ITERATIONS = 60  # most updates of the weights for one step
 ROWS = 150  # thetas that a search begins with
+ROUNDS = 4  # most times that centers are tried
 WORST = 20  # thetas that join them at a time
 ROUND = 1e-10  # of the mean, added to the second moment of the changes of theta
 
@@ -53,9 +60,9 @@ ROUND = 1e-10  # of the mean, added to the second moment of the changes of theta
 class CertifiedTail(Result):
     """The proof that a run is stable as a time-varying loop, from a step on.
 
-    Every theta(k) from k0 on lies in one certified set around the last theta. So the loop of the
-    run from there on is uniformly exponentially stable while theta moves, and stays so if the run
-    is continued as long as theta stays in the set.
+    Every theta(k) from k0 on lies in one certified set. So the loop of the run from there on is
+    uniformly exponentially stable while theta moves, and stays so if the run is continued as long
+    as theta stays in the set.
 
     Attributes
     ----------
@@ -64,13 +71,16 @@ class CertifiedTail(Result):
     k0 : int or None
         First step of the proof; None where there is none.
     set : CertifiedSet or None
-        Its center is the last theta.
+        Its center is the last theta, or a point between it and earlier ones.
     theta : array, shape (steps, l_theta)
         theta(k0), ..., with the one after the last step.
     reason : str
         Why there is no proof; empty where there is one.
     earlier : tuple of CertifiedTail
         The same for the plants before, where the plant changes.
+    earliest : int or None
+        First step from which on the loop of each theta, held constant, is stable in float64, with
+        the controller on and no limit of u: no set proves an earlier step.
     """
 
     _REST: ClassVar[str] = "report() has all of it"
@@ -82,6 +92,7 @@ class CertifiedTail(Result):
     theta: Array
     reason: str = ""
     earlier: tuple[CertifiedTail, ...] = ()
+    earliest: int | None = None
 
     @property
     def is_verified(self) -> bool:
@@ -118,9 +129,9 @@ class CertifiedTail(Result):
 def certified_from(run: Run) -> CertifiedTail:
     """Find the first step from which on a run is proved stable while theta moves.
 
-    The ellipsoid is centered at the last theta and shaped by the thetas that lead to it: M solves
-    min over M of max over k of Delta(k)' M^-1 Delta(k) with T* M T < 1, for the earliest k0 for
-    which the minimum is below 1.
+    The ellipsoid is centered at the last theta, or between it and earlier ones, and shaped by the
+    thetas that lead to it: M solves min over M of max over k of Delta(k)' M^-1 Delta(k) with
+    T* M T < 1, for the earliest k0 for which the minimum is below 1.
 
     Parameters
     ----------
@@ -142,8 +153,8 @@ def certified_from(run: Run) -> CertifiedTail:
     -----
     The search is in float64, by multipliers of frequencies and of steps with a lower bound that
     ends it; what it finds is proved as in `certified_set`, and each theta(k) is shown to lie
-    inside in balls. No earlier step is excluded by that: other centers and other functions than
-    quadratic ones of one P may do better.
+    inside in balls. Steps between `earliest` and k0 are not excluded by that: other centers, and
+    other functions than quadratic ones of one P, may do better.
 
     Examples
     --------
@@ -156,6 +167,11 @@ def certified_from(run: Run) -> CertifiedTail:
     >>> tail.is_verified, tail.k0 < 20
     (True, True)
     """
+    return tail_of_run(run, ROUNDS)
+
+
+def tail_of_run(run: Run, rounds: int = 0) -> CertifiedTail:
+    """As `certified_from`, with so many rounds of other centers than the last theta, for reports."""
     instance_of(run, "run", Run)
     settings = instance_of(run.settings, "the controller of the run", ControllerSettings)
     if run.stride != 1:
@@ -167,11 +183,9 @@ def certified_from(run: Run) -> CertifiedTail:
         raise InputError("the run has no completed step.")
     tails: list[CertifiedTail] = []
     for start, stop, plant in _segments(run):
-        tails.append(_tail(run, settings, start, stop, plant))
+        tails.append(_tail(run, settings, start, stop, plant, rounds))
     last = tails[-1]
-    return CertifiedTail(
-        last.start, last.stop, last.k0, last.set, last.theta, last.reason, tuple(tails[:-1])
-    )
+    return replace(last, earlier=tuple(tails[:-1]))
 
 
 def _segments(run: Run) -> Iterator[tuple[int, int, Plant | None]]:
@@ -189,7 +203,7 @@ def _segments(run: Run) -> Iterator[tuple[int, int, Plant | None]]:
 
 
 def _tail(
-    run: Run, settings: ControllerSettings, start: int, stop: int, plant: Plant | None
+    run: Run, settings: ControllerSettings, start: int, stop: int, plant: Plant | None, rounds: int
 ) -> CertifiedTail:
     def none(reason: str) -> CertifiedTail:
         return _no_tail(start, stop, run.theta.shape[1], reason)
@@ -204,14 +218,15 @@ def _tail(
     if stop == run.first_step + run.steps:
         after = run.theta_final[None]
     thetas = np.vstack([run.theta[row : stop - run.first_step], after])
-    return _tail_of(plant, settings.structure, settings.fixed, thetas, (start, first, stop))
+    steps = (start, first, stop)
+    return _tail_of(plant, settings.structure, settings.fixed, thetas, steps, rounds)
 
 
 def certified_from_log(
     plant: Plant, structure: Structure, theta: Array, first: int
 ) -> CertifiedTail:
-    """As `certified_from`, of theta(first), ... of a log and a plant that stays."""
-    return _tail_of(plant, structure, None, theta, (0, first, first + len(theta)))
+    """As `tail_of_run`, of theta(first), ... of a log and a plant that stays."""
+    return _tail_of(plant, structure, None, theta, (0, first, first + len(theta)), 0)
 
 
 def _no_tail(start: int, stop: int, l_theta: int, reason: str) -> CertifiedTail:
@@ -220,15 +235,17 @@ def _no_tail(start: int, stop: int, l_theta: int, reason: str) -> CertifiedTail:
 
 def _tail_of(
     plant: Plant, structure: Structure, fixed: Compensator | None, thetas: Array,
-    steps: tuple[int, int, int],
+    steps: tuple[int, int, int], rounds: int,
 ) -> CertifiedTail:  # fmt: skip
     """Return the tail of theta(first), ..., for the steps (start, first, stop)."""
     start, first, stop = steps
     try:
-        region, index = _largest_tail(plant, structure, fixed, thetas)
+        region, index, possible = _largest_tail(plant, structure, fixed, thetas, rounds)
     except CompensatorError as error:
         return _no_tail(start, stop, thetas.shape[1], str(error).rstrip("."))
-    return CertifiedTail(start, stop, first + index, region, np.array(thetas[index:]))
+    return CertifiedTail(
+        start, stop, first + index, region, np.array(thetas[index:]), earliest=first + possible
+    )
 
 
 def _last_limited(run: Run, stop: int) -> int:
@@ -238,34 +255,100 @@ def _last_limited(run: Run, stop: int) -> int:
 
 
 def _largest_tail(
-    plant: Plant, structure: Structure, fixed: Compensator | None, thetas: Array
-) -> tuple[CertifiedSet, int]:
-    """Return a proved set around the last theta, and the first row that stays inside."""
-    center = np.array(thetas[-1])
+    plant: Plant, structure: Structure, fixed: Compensator | None, thetas: Array, rounds: int
+) -> tuple[CertifiedSet, int, int]:
+    """Return a proved set, the first row from which on all are inside, and the first possible."""
+    last = np.array(thetas[-1])
     system = regressor_system(plant, structure, fixed)
-    loop = centered_loop(system, center)
-    if not loop.spectral_radius < 1:
+    radius = centered_loop(system, last).spectral_radius
+    if not radius < 1:
         raise NoSolutionError(
-            f"the loop of the last theta has a pole at {loop.spectral_radius:.6g}, outside the "
-            "unit circle."
+            f"the loop of the last theta has a pole at {radius:.6g}, outside the unit circle."
         )
-    scale = _scale_of_rows(thetas, structure)
-    changes = _changes(thetas, center, scale)
-    caps = _caps_of_run(thetas, structure, scale)
-    responses = loop.responses(1.0)
-    points = weighted_points(np.concatenate(list((responses * scale).transpose(2, 0, 1))), caps)
-    K = _Search(points, changes).earliest()
-    K = K / max(loop.peak(K, scale, 1.0), 1.0)
+    search = _CenterSearch(system, structure, thetas)
+    center, K, first = search.earliest(rounds)
+    scale = search.scale
     K, storages = proved([perturbed_loop(system, center)], K, scale, 1.0, [np.zeros(0)])
-    outside = np.flatnonzero(_squares(K, changes)[0] >= 1 - 1e-9)
+    outside = np.flatnonzero(_squares(K, _changes(thetas, center, scale))[0] >= 1 - 1e-9)
     index = int(outside[-1]) + 1 if outside.size else 0
+    responses = centered_loop(system, center).responses(1.0)
     region = CertifiedSet(
         structure=structure, fixed=fixed, center=center, regressor_factor=K,
         input_scale=scale, rate=1.0, shape="tail",
         members=(CertifiedMember("the plant of the run", plant, storages[0]),),
         uncovered=UNCOVERED, dependent=dependent_directions(responses),
     )  # fmt: skip
-    return region, index
+    return region, index, first
+
+
+class _CenterSearch:
+    """Centers of an ellipsoid that holds the thetas of a run from as early a step as possible."""
+
+    def __init__(self, system: RegressorSystem, structure: Structure, thetas: Array) -> None:
+        self.system, self.thetas = system, thetas
+        self.scale = _scale_of_rows(thetas, structure)
+        self.caps = _caps_of_run(thetas, structure, self.scale)
+
+    def earliest(self, rounds: int = ROUNDS) -> tuple[Array, Array, int]:
+        """Return center, K and the first row that any set may hold.
+
+        The last theta is the first center. Then come points between it and where the set begins,
+        as long as a round of them finds an earlier step.
+        """
+        last = self.thetas[-1]
+        K, best = self._around(last, 0, None) or self._none()
+        center, first = last, self._first_stable(best)
+        for _ in range(rounds):
+            before = best
+            for candidate in self._candidates(first, best):
+                better = self._around(candidate, first, best) if best > first else None
+                if better is not None:
+                    center, (K, best) = candidate, better
+            if best == before:
+                break
+        return np.array(center), K, first
+
+    def _none(self) -> tuple[Array, int]:
+        raise NoSolutionError("no ellipsoid around the last theta was found.")
+
+    def _candidates(self, first: int, best: int) -> list[Array]:
+        """Return centers for a set that is to begin between two rows."""
+        thetas, last = self.thetas, self.thetas[-1]
+        return [
+            0.75 * last + 0.25 * thetas[first],
+            0.5 * last + 0.5 * thetas[first],
+            0.5 * last + 0.5 * thetas[best - 1],
+            thetas[best],
+            thetas[first:].mean(axis=0),
+            thetas[best - 1 :].mean(axis=0),
+        ]
+
+    def _around(self, center: Array, low: int, high: int | None) -> tuple[Array, int] | None:
+        """Return K and its first row, earlier than `high`; None where there seems to be none."""
+        loop = centered_loop(self.system, center)
+        if not loop.spectral_radius < 1:
+            return None
+        responses = loop.responses(1.0) * self.scale
+        points = weighted_points(np.concatenate(list(responses.transpose(2, 0, 1))), self.caps)
+        changes = _changes(self.thetas, center, self.scale)
+        K = _Search(points, changes).earliest(low, high)
+        if K is None:
+            return None
+        K = K / max(loop.peak(K, self.scale, 1.0), 1.0) * (1 - MARGINS[0])
+        outside = np.flatnonzero(_squares(K, changes)[0] >= 1 - 1e-9)
+        row = int(outside[-1]) + 1 if outside.size else 0
+        return None if high is not None and row >= high else (K, row)
+
+    def _first_stable(self, row: int) -> int:
+        """Return the first row from which on every theta, held constant, is stable."""
+        while row and self._is_stable(self.thetas[row - 1]):
+            row -= 1
+        return row
+
+    def _is_stable(self, theta: Array) -> bool:
+        Theta = theta.reshape(-1, self.system.inputs.shape[1]).T
+        A = self.system.rounded + self.system.inputs @ Theta @ self.system.outputs
+        return bool(np.abs(np.linalg.eigvals(A)).max(initial=0.0) < 1)
 
 
 UNCOVERED = (
@@ -317,21 +400,32 @@ class _Search:
         self.changes = np.einsum("ij,kja->kia", points.inverse, changes)
         self.steps = len(changes)
 
-    def earliest(self) -> Array:
-        """Return K for the earliest step, by bisection; each success may skip many steps."""
-        low, high = 0, self.steps - 1
-        best = self._scaled(geometric_mean(self.points.moment, np.eye(len(self.points.basis))))
-        trial = low
+    def earliest(self, low: int = 0, before: int | None = None) -> Array | None:
+        """Return K for the earliest step from `low` on, by bisection; a success may skip many.
+
+        None where a step earlier than `before` is wanted, and there seems to be none.
+        """
+        high, trial, best = self.steps - 1, low, None
+        if before is None:
+            best = self._scaled(geometric_mean(self.points.moment, np.eye(len(self.points.basis))))
+        else:
+            best = self._fitting(before - 1)
+            if best is None:
+                return None
+            high = self._begins(best, before - 1)
         while low < high:
             N = self._fitting(trial)
             if N is None:
                 low = trial + 1
             else:
-                best = N
-                outside = np.flatnonzero(self._sizes(N)[0] >= REACH)
-                high = min(trial, int(outside[-1]) + 1 if outside.size else 0)
+                best, high = N, self._begins(N, trial)
             trial = (low + high) // 2
         return lower_factor(self.points.basis @ np.linalg.cholesky(best))
+
+    def _begins(self, N: Array, trial: int) -> int:
+        """Return the row from which on every change fits, at most `trial`."""
+        outside = np.flatnonzero(self._sizes(N)[0] >= REACH)
+        return min(trial, int(outside[-1]) + 1 if outside.size else 0)
 
     def _scaled(self, N: Array) -> Array:
         return np.asarray(N / self.points.sizes(N).max())

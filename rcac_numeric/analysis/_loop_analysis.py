@@ -12,7 +12,7 @@ import numpy as np
 import compensator_theory as exact
 from compensator_theory import figures
 from compensator_theory.errors import Advice, CompensatorError, InputError
-from rcac_numeric.analysis._certified_tail import CertifiedTail, certified_from
+from rcac_numeric.analysis._certified_tail import CertifiedTail, tail_of_run
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._exact_comparison import ExactComparison, comparison_of
 from rcac_numeric.analysis._match import (
@@ -235,7 +235,7 @@ class LoopAnalysis(Value):
     @cached_property
     def certified(self) -> CertifiedTail:
         """From which step on the run is proved stable while theta moves, as `certified_from`."""
-        return certified_from(self.run)
+        return tail_of_run(self.run)
 
     @cached_property
     def split(self) -> ResidualSplit:

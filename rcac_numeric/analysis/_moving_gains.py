@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -18,6 +17,7 @@ from rcac_numeric.analysis._peaks import hinf_norm
 from rcac_numeric.analysis._regressor_system import (
     Exact,
     RegressorSystem,
+    array_of,
     exact,
     rational_matrix,
     rounded_matrix,
@@ -139,18 +139,45 @@ def perturbed_loop(
     system: RegressorSystem, center: Array, gains: InputGains = FIXED
 ) -> PerturbedLoop:
     """Return the loop of `center` with every gain in the middle of where it moves."""
-    n, taps, m = system.A.nrows(), system.C.nrows(), system.B.ncols()
-    limited, amplified = gains.moving()
-    blocks = 1 + (limited is not None) + (amplified is not None)
-    if blocks == 1:
-        none = fmpq_mat(taps, m)
-        return PerturbedLoop(system.loop(center), system.B, system.C, none, taps, m)
+    taps, m = system.C.nrows(), system.B.ncols()
+    if gains.is_fixed:
+        return PerturbedLoop(system.loop(center), system.B, system.C, fmpq_mat(taps, m), taps, m)
+    n, signals = system.A.nrows(), actuator_signals(system, center, gains)
+    # the memory of the controller holds u_a without the fixed compensator
+    memory = array_of(system.B - system.plant_inputs) @ (signals.applied - signals.parallel)
+    whole = memory + array_of(system.plant_inputs) @ signals.received
+    whole[:, :n] += array_of(system.A - system.plant_inputs * system.parallel)
+    regressor = exact(np.zeros((taps, whole.shape[1])))
+    regressor[:, :n] = array_of(system.C)
+    outputs = np.concatenate([regressor, *signals.multiplied])
+    A, B = rational_matrix(whole[:, :n]), rational_matrix(whole[:, n:])
+    C, D = rational_matrix(outputs[:, :n]), rational_matrix(outputs[:, n:])
+    return PerturbedLoop(A, B, C, D, taps, m)
 
-    def rows(x: Any = None, block: int | None = None) -> Exact:
-        """Return a signal as rows over (x, v)."""
-        signal = exact(np.zeros((m, n + blocks * m)))
+
+@dataclass(frozen=True, eq=False)
+class ActuatorSignals:
+    """Rows over (x, v) of u, of what limits apply of it, and of what the plant receives.
+
+    `multiplied` are the signals that the gains multiply, times the half width of each.
+    """
+
+    parallel: Exact
+    u: Exact
+    applied: Exact
+    received: Exact
+    multiplied: tuple[Exact, ...]
+
+
+def actuator_signals(system: RegressorSystem, center: Array, gains: InputGains) -> ActuatorSignals:
+    """Return the signals from the controller to the plant, exact."""
+    n, taps, m = system.A.nrows(), system.C.nrows(), system.B.ncols()
+    moving = [kind for kind in gains.moving() if kind is not None]
+
+    def rows(x: fmpq_mat | None = None, block: int | None = None) -> Exact:
+        signal = exact(np.zeros((m, n + (1 + len(moving)) * m)))
         if x is not None:
-            signal[:, :n] = _array(x)
+            signal[:, :n] = array_of(x)
         if block is not None:
             signal[:, n + block * m : n + (block + 1) * m] = exact(np.eye(m))
         return signal
@@ -158,38 +185,16 @@ def perturbed_loop(
     Theta = rational_matrix(exact(center.reshape(taps, m).T))
     parallel = rows(system.parallel)
     u = rows(Theta * system.C, 0) + parallel
-    multiplied, block = [], 1
-    if limited is not None:
-        multiplied.append(_rational(limited[1]) * u)
-        u = _rational(limited[0]) * u + rows(block=block)
-        block += 1
-    received = u
-    if amplified is not None:
-        multiplied.append(_rational(amplified[1]) * u)
-        received = _rational(amplified[0]) * u + rows(block=block)
-    # the memory of the controller holds u_a without the fixed compensator
-    memory = _array(system.B - system.plant_inputs) @ (u - parallel)
-    whole = memory + _array(system.plant_inputs) @ received
-    whole[:, :n] += _array(system.A - system.plant_inputs * system.parallel)
-    outputs = np.concatenate(
-        [
-            np.concatenate([_array(system.C), exact(np.zeros((taps, blocks * m)))], axis=1),
-            *multiplied,
-        ]
-    )
-    A, B = rational_matrix(whole[:, :n]), rational_matrix(whole[:, n:])
-    C, D = rational_matrix(outputs[:, :n]), rational_matrix(outputs[:, n:])
-    return PerturbedLoop(A, B, C, D, taps, m)
-
-
-def _array(matrix: fmpq_mat) -> Exact:
-    whole = np.empty(matrix.nrows() * matrix.ncols(), dtype=object)
-    whole[:] = matrix.entries()
-    return whole.reshape(matrix.nrows(), matrix.ncols())
-
-
-def _rational(value: Fraction) -> fmpq:
-    return fmpq(value.numerator, value.denominator)
+    stages, multiplied = [u], []
+    for kind in gains.moving():
+        signal = stages[-1]
+        if kind is not None:
+            middle, half = (fmpq(part.numerator, part.denominator) for part in kind)
+            multiplied.append(half * signal)
+            signal = middle * signal + rows(block=len(multiplied))
+        stages.append(signal)
+    _, applied, received = stages
+    return ActuatorSignals(parallel, u, applied, received, tuple(multiplied))
 
 
 @dataclass(frozen=True, eq=False)

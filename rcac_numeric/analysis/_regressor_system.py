@@ -56,6 +56,11 @@ class RegressorSystem:
         return rounded_matrix(self.loop(theta))
 
     @cached_property
+    def rounded(self) -> Array:
+        """A, rounded."""
+        return rounded_matrix(self.A)
+
+    @cached_property
     def inputs(self) -> Array:
         """B, rounded."""
         return rounded_matrix(self.B)
@@ -229,6 +234,13 @@ def exact(values: Array) -> Exact:
 def rational_matrix(values: Exact) -> fmpq_mat:
     """Return an array of rational numbers as a matrix of python-flint."""
     return fmpq_mat(*values.shape, values.ravel().tolist())
+
+
+def array_of(matrix: fmpq_mat) -> Exact:
+    """Return a matrix of python-flint as an array of rational numbers."""
+    whole = np.empty(matrix.nrows() * matrix.ncols(), dtype=object)
+    whole[:] = matrix.entries()
+    return whole.reshape(matrix.nrows(), matrix.ncols())
 
 
 def rounded_matrix(matrix: fmpq_mat) -> Array:

@@ -15,8 +15,8 @@ from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.analysis._certified_tail import (
     CertifiedTail,
-    certified_from,
     certified_from_log,
+    tail_of_run,
 )
 from rcac_numeric.analysis._classical import Margins, channel_margins
 from rcac_numeric.analysis._closed_loop import ClosedLoop
@@ -178,7 +178,7 @@ class ControllerCheck(Result):
 
     def _certified(self) -> CertifiedTail | str:
         if self.run is not None:
-            return certified_from(self.run)
+            return tail_of_run(self.run)
         log, replay, plant = self.log, self.replay, self.plant
         if plant is None:
             return "the plant is not known"

@@ -116,7 +116,13 @@ def tail_lines(tail: CertifiedTail) -> tuple[Text, ...]:
 def tail_record(tail: CertifiedTail) -> dict[str, Any]:
     """The first step of the proof and the reasons where there is none."""
     segments = [
-        {"start": one.start, "stop": one.stop, "k0": one.k0, "reason": one.reason}
+        {
+            "start": one.start,
+            "stop": one.stop,
+            "k0": one.k0,
+            "earliest": one.earliest,
+            "reason": one.reason,
+        }
         for one in (*tail.earlier, tail)
     ]
     return {"k0": tail.k0, "segments": segments}
@@ -149,4 +155,11 @@ def tail_line(tail: CertifiedTail) -> Text:
         return Text("NOT proved: the certificate does not hold.", "bad")
     motion = ", while theta still moves" if tail.is_moving else ", with a constant theta"
     words = f"Proved in exact arithmetic: the loop is exponentially stable from step {tail.k0} on"
-    return Text(f"{words}{motion}.", "good")
+    if tail.earliest is None:
+        return Text(f"{words}{motion}.", "good")
+    first = (
+        "no set begins earlier"
+        if tail.k0 == tail.earliest
+        else f"no set begins before step {tail.earliest}"
+    )
+    return Text(f"{words}{motion}; {first}.", "good")

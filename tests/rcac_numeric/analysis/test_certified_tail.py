@@ -25,7 +25,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.analysis._certified_tail import _is_inside
+from rcac_numeric.analysis._certified_tail import _CenterSearch, _is_inside
 from rcac_numeric.analysis._regressor_system import exact, rational_matrix, regressor_system
 from rcac_numeric.reports._certified import MOST_COEFFICIENTS, MOST_PLANTS
 from tests.support.engine_cases import cases, engine_plants
@@ -80,6 +80,19 @@ def test_one_function_falls_at_every_step_of_the_tail(data, widths, seed):
     assert pickle.loads(pickle.dumps(tail)) == tail
 
 
+@pytest.mark.parametrize(("G", "R_theta"), [("1/(q - 1.2)", 1e2), ("1/(q - 0.99)", 1e2)])
+def test_a_center_beside_the_last_theta_begins_earlier(G, R_theta):
+    """The same search around the last theta alone needs theta to come much nearer."""
+    plant = standard_plant(G)
+    run = simulate(plant, first_order(theta_0=[0.0, 0.0], update=UD(R_theta)), noise(400))
+    tail = certified_from(run)
+    search = _CenterSearch(regressor_system(plant, iir(1)), iir(1), run.theta)
+    _, around_last = search._around(run.theta[-1], 0, None)
+    assert tail.is_verified
+    assert tail.earliest <= tail.k0 < around_last
+    assert "no set begins" in tail.report()
+
+
 def test_a_constant_theta_is_proved_from_the_first_step_on():
     run = simulate(PLANT, first_order(freeze=[(0, None)], k_w=3), noise(50))
     tail = certified_from(run)
@@ -100,6 +113,8 @@ def test_an_early_part_of_the_run_that_is_unstable_is_left_out():
     ]
     assert max(radii) > 1
     assert max(radii[tail.k0 :]) < 1
+    assert radii[tail.earliest - 1] >= 1 > max(radii[tail.earliest :])
+    assert tail.earliest <= tail.k0
     assert tail.k0 > int(np.flatnonzero(np.array(radii) >= 1)[-1])
     assert f"from step {tail.k0} on, while theta still moves" in " ".join(tail.report().split())
 
