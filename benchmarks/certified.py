@@ -2,6 +2,7 @@
 
     python benchmarks/certified.py tightness [loops]   greedy motion at 0.999 and 1.1 of the radius
     python benchmarks/certified.py gains               gains and limits that move beside theta
+    python benchmarks/certified.py bounds [plants]     bounds of z over the largest z of runs
     python benchmarks/certified.py families [random]   sets of random and 30 textbook plants, shares
     python benchmarks/certified.py kept [plants] [draws]   RCAC without bounds, in a box, in the set
     python benchmarks/certified.py times               seconds of set and proof over l_theta
@@ -41,6 +42,7 @@ from rcac_numeric import (
     fir,
     fir_integrator,
     iir,
+    peak_bounds,
     pid,
     quasi_fir,
     simulate,
@@ -219,6 +221,46 @@ def gains():
                   f"{took:.1f} s", flush=True)  # fmt: skip
     for name, values in sizes.items():
         print(f"{name}: {len(values)} sets, median linear size {np.median(values):.2f}")
+
+
+def bounds(count=20, first=50_000):
+    """`peak_bounds` with the share of the radius and the peaks of w that a run has."""
+    plants = [(name, *loop) for name, loop in DESIGNED.items()]
+    for i in range(count):
+        _, G, late = random_plant(first + i)
+        plants.append((f"random {i}", G, {"dead_time": late}))
+    ratios = {"all of w, over the run": [], "all of w, over theta_0 held": [],
+              "the disturbance alone, over theta_0 held": []}  # fmt: skip
+    seconds = []
+    for name, G, options in plants:
+        try:
+            result = designed(G, options)
+            region = certified_set(result.plant, result.settings)
+            run = result.runs["RCAC"]
+            share = float(region.radius_of(run.theta).max())
+            if not 0 < share < 0.999:
+                print(f"{name}: the run uses {share:.3g} of the radius")
+                continue
+            peaks = np.abs(run.w).max(axis=0)
+            start = time.perf_counter()
+            one = peak_bounds(region, peaks, share=share)
+            seconds.append(time.perf_counter() - start)
+            of_d = [channel.startswith("d") for channel in result.plant.channels]
+            other = peak_bounds(region, np.where(of_d, peaks, 0.0), share=share)
+        except CompensatorError as error:
+            print(f"{name}: {str(error)[:80]}")
+            continue
+        largest = np.abs(run.z).max(axis=0)
+        values = (one.z / largest, one.z / one.held, other.z / other.held)
+        for words, value in zip(ratios, values, strict=True):
+            ratios[words].append(float(value.max()))
+        shown = ", ".join(f"{words} {values[-1]:.2f}" for words, values in ratios.items())
+        print(f"{name}: l {len(region.center)}, share {share:.3f}, bound for {shown}, "
+              f"{one.is_verified}, {seconds[-1]:.1f} s", flush=True)  # fmt: skip
+    for words, values in ratios.items():
+        low, middle, high = np.quantile(values, [0, 0.5, 1])
+        print(f"{len(values)} loops, {words}: median {middle:.2f}, {low:.2f} to {high:.0f}")
+    print(f"seconds: median {np.median(seconds):.1f}, {max(seconds):.1f} at most")
 
 
 def road(count, first=50_000):
@@ -469,11 +511,11 @@ def runs(steps=2000):
     print(f"{len(after)} of {len(seconds)} runs, {proofs} verified: median "
           f"{np.median(steps_after):.0f} steps after control begins, {min(steps_after)} to "
           f"{max(steps_after)}; no set before {np.median(possible):.0f} (median), "
-          f"at most 2 steps later in {np.sum(steps_after - possible <= 2)}; {np.median(seconds):.2f} s (median), "
-          f"{max(seconds):.0f} at most")  # fmt: skip
+          f"at most 2 steps later in {np.sum(steps_after - possible <= 2)}; "
+          f"{np.median(seconds):.2f} s (median), {max(seconds):.0f} at most")  # fmt: skip
 
 
-COMMANDS = {f.__name__: f for f in (tightness, gains, families, kept, times, forged, runs)}
+COMMANDS = {f.__name__: f for f in (tightness, gains, bounds, families, kept, times, forged, runs)}
 
 if __name__ == "__main__":
     name, *numbers = sys.argv[1:] or ["tightness"]

@@ -20,6 +20,7 @@ from .analysis._match import intercalated_match as intercalated_match
 from .analysis._match import split_residual as split_residual
 from .analysis._noise import with_bias as with_bias
 from .analysis._observer_forms import observer_forms as observer_forms
+from .analysis._peak_bounds import peak_bounds as peak_bounds
 from .analysis._placement_conditioning import placement_conditioning as placement_conditioning
 from .analysis._predictive_limits import predictive_cost_limit as predictive_cost_limit
 from .analysis._riccati import solve_riccati as solve_riccati

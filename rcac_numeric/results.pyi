@@ -13,6 +13,8 @@ from .analysis._match import IntercalatedMatch as IntercalatedMatch
 from .analysis._match import ResidualSplit as ResidualSplit
 from .analysis._observer_forms import NumericObserverForm as NumericObserverForm
 from .analysis._observer_forms import NumericObserverForms as NumericObserverForms
+from .analysis._peak_bounds import ChannelBound as ChannelBound
+from .analysis._peak_bounds import PeakBounds as PeakBounds
 from .analysis._placement_conditioning import PlacementConditioning as PlacementConditioning
 from .analysis._predictive_limits import PredictiveCostLimit as PredictiveCostLimit
 from .analysis._solutions import StabilisingSolution as StabilisingSolution

@@ -140,8 +140,9 @@ class GainBound:
     ) -> tuple[flint.arb_mat, flint.arb_mat] | None:
         """Return -Q and P by one doubling: P = A'P (I - B R^-1 B'P)^-1 A + C'C + slack.
 
-        Q is the solution of the dual equation. With D, A + B (R - D'D)^-1 D'C is in the place of A,
-        R - D'D in that of R, and C'(I + D (R - D'D)^-1 D') C in that of C'C.
+        Q is the solution of the dual equation; the one of both with a slack has converged. With D,
+        A + B (R - D'D)^-1 D'C is in the place of A, R - D'D in that of R, and
+        C'(I + D (R - D'D)^-1 D') C in that of C'C.
 
         Source: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396 (2005) 55-80.
         """
@@ -173,13 +174,10 @@ class GainBound:
                 G = (G + (reached + reached.transpose()) / 2).mid()
                 H = (H + (added + added.transpose()) / 2).mid()
                 A = (A * forward).mid()
-                if not all(H[i, i] >= 0 and G[i, i] <= 0 for i in range(n)):
+                grown, whole = (added, H) if input_slack is None else (reached, -G)
+                if not all(whole[i, i] > 0 for i in range(n)):
                     return None
-                if all(
-                    abs(added[i, i]) <= SETTLED * H[i, i]
-                    and abs(reached[i, i]) <= SETTLED * abs(G[i, i])
-                    for i in range(n)
-                ):
+                if all(abs(grown[i, i]) <= SETTLED * whole[i, i] for i in range(n)):
                     return G, H
         return None
 

@@ -171,7 +171,7 @@ def certified_from(run: Run) -> CertifiedTail:
 
 
 def tail_of_run(run: Run, rounds: int = 0) -> CertifiedTail:
-    """As `certified_from`, with so many rounds of other centers than the last theta, for reports."""
+    """As `certified_from`, with fewer rounds of centers beside the last theta, for reports."""
     instance_of(run, "run", Run)
     settings = instance_of(run.settings, "the controller of the run", ControllerSettings)
     if run.stride != 1:

@@ -6,6 +6,7 @@ from typing import Any
 
 from rcac_numeric.analysis._certified_set import CertifiedSet, direction_texts
 from rcac_numeric.analysis._certified_tail import CertifiedTail
+from rcac_numeric.analysis._peak_bounds import PeakBounds
 from rcac_numeric.reports._sheet import (
     Block,
     Fact,
@@ -163,3 +164,47 @@ def tail_line(tail: CertifiedTail) -> Text:
         else f"no set begins before step {tail.earliest}"
     )
     return Text(f"{words}{motion}; {first}.", "good")
+
+
+def peak_sheet(bounds: PeakBounds) -> Sheet:
+    """The report of bounds of z and u for bounded w: the claim, the bounds, and the channels."""
+    region, share = bounds.region, bounds.share
+    plants = counted(len(region.members), "plant")
+    verdict = (
+        Text(
+            f"Proved in exact arithmetic for {plants}: from rest, no motion of theta within "
+            f"{share:.3g} of the radius takes z or u beyond these bounds.",
+            "good",
+        )
+        if bounds.is_verified
+        else Text("NOT proved: the certificate of these bounds does not hold.", "bad"),
+    )
+    plant = region.members[0].plant
+    names = [f"z {i + 1}" for i in range(len(bounds.z))]
+    names += [f"u {i + 1}" for i in range(len(bounds.u))]
+    held = [f"{value:.4g}" for value in bounds.held] + ["" for _ in bounds.u]
+    values = [*bounds.z, *bounds.u]
+    rows = tuple(
+        cells(name, f"{value:.4g}", at_rest)
+        for name, value, at_rest in zip(names, values, held, strict=True)
+    )
+    table = SheetTable(("signal", "bound of its abs", "with theta = theta_0"), rows)
+    gains = [
+        cells(names[p.output], plant.channels[p.channel], p.member, f"{p.gain:.4g}")
+        for p in sorted(bounds.proofs, key=lambda p: -p.gain * bounds.w_peak[p.channel])[:FEW]
+    ]
+    of_channels = SheetTable(("signal", "channel of w", "plant", "gain"), tuple(gains))
+    record = {
+        "proved": bounds.is_verified, "share": share, "w_peak": bounds.w_peak.tolist(),
+        "z": bounds.z.tolist(), "u": bounds.u.tolist(), "held": bounds.held.tolist(),
+    }  # fmt: skip
+    peaks = ", ".join(
+        f"{name} {peak:.4g}" for name, peak in zip(plant.channels, bounds.w_peak, strict=True)
+    )
+    sections = (
+        Section(record=record),
+        Section("Bounds", (table,), {}, f" for abs(w) at most {peaks}"),
+        Section("Gains", (of_channels,), {}, ": largest first; they add up"),
+    )
+    remark = f", theta within {share:.3g} of the radius"
+    return Sheet("Bounds of z and u", remark, verdict, sections)

@@ -89,6 +89,10 @@ def certified(seed):
     return rcac.certified_set("1/(q - 0.5)", adapting(seed))
 
 
+def peaks(seed):
+    return rcac.peak_bounds(certified(seed), 1.0, share=0.5)
+
+
 def target(seed):
     return rcac.TargetModel([0.0, *random(seed, 2)], [1.0, 0.0, 0.25])
 
@@ -389,6 +393,8 @@ SAMPLES = {
     results.CertifiedTail: lambda seed: rcac.certified_from(
         rcac.simulate("1/(q - 0.5)", adapting(seed), random(seed, 20, 1))
     ),
+    results.PeakBounds: peaks,
+    results.ChannelBound: lambda seed: peaks(seed).proofs[0],
     results.CertifiedMember: lambda seed: certified(seed).members[0],
     results.StabilityBoundary: lambda seed: results.StabilityBoundary(seed, 1, 0.5, 1, np.nan),
     results.H2Cost: lambda seed: rcac.h2_cost(exact_plant(seed), compensator(seed)),

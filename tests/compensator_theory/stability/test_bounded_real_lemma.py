@@ -1,5 +1,6 @@
 """Certificates of the bounded real lemma, held against the exact H-infinity norm."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import flint
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from sympy import Matrix, Rational, symbols
 
 from compensator_theory import decide_bounded_real, h_infinity_norm
+from compensator_theory.matrices._definiteness import is_positive_definite
 from compensator_theory.stability._bounded_real_lemma import GainBound
 
 entries = st.integers(-4, 4)
@@ -77,3 +79,22 @@ def test_a_matrix_that_is_not_symmetric_or_of_another_size_proves_nothing():
     assert one.is_proved_by(P)
     assert not one.is_proved_by(flint.fmpq_mat(2, 2, [P[0, 0], 0, 0, P[0, 0]]))
     assert not one.is_proved_by(-P)
+
+
+@pytest.mark.costly
+@settings(max_examples=40)
+@given(systems(), st.data())
+def test_a_direct_term_counts_and_the_largest_matrix_is_above_the_other(system, data):
+    A, B, C, G = system
+    D = Matrix(C.rows, B.cols, lambda i, j: Rational(data.draw(entries), 4))
+    whole = (G + D).applyfunc(lambda e: e.cancel())
+    assume(any(whole))
+    norm = Rational(float(h_infinity_norm(whole.tolist()).enclosure))
+    for factor, holds in ((Rational(999, 1000), True), (Rational(1001, 1000), False)):
+        scaled = replace(bound(A, B, C * factor / norm), D=in_flint(D * factor / norm))
+        P, largest = scaled.certificate(), scaled.largest_certificate()
+        assert (P is not None) == (largest is not None) == holds
+        if P is not None and largest is not None:
+            assert scaled.is_proved_by(largest)
+            # no P that proves it exceeds the largest one, but for its slack
+            assert is_positive_definite(largest * flint.fmpq(1001, 1000) - P)
