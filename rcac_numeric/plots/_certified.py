@@ -24,7 +24,7 @@ def plot_certified_set(region: CertifiedSet, *, width: float = 9.0) -> Figure:
     left.axhline(0, color=INK, linewidth=0.5)
     step = -(-len(places) // 16)
     left.set_xticks(places[::step], list(intervals)[::step], rotation=90, fontsize=8)
-    left.set(xlabel="coefficient", ylabel="value")
+    left.set(xlabel="coefficient", ylabel="theta, without units")
     left.set_title("interval of each coefficient", fontsize=10)
     left.legend(fontsize=8, frameon=False)
     rates = np.linspace(min(max(region.spectral_radius, 0.01), region.rate), 1.0, RATES)

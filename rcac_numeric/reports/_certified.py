@@ -7,6 +7,7 @@ from typing import Any
 from rcac_numeric.analysis._certified_set import CertifiedSet, direction_texts
 from rcac_numeric.analysis._certified_tail import CertifiedTail
 from rcac_numeric.analysis._peak_bounds import PeakBounds
+from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.reports._sheet import (
     Block,
     Fact,
@@ -178,6 +179,11 @@ def peak_sheet(bounds: PeakBounds) -> Sheet:
         )
         if bounds.is_verified
         else Text("NOT proved: the certificate of these bounds does not hold.", "bad"),
+        Text(
+            f"abs(z) at most {_listed(bounds.z)}, abs(u) at most {_listed(bounds.u)}; with theta = "
+            f"theta_0 abs(z) reaches {_listed(bounds.held)}.",
+            "quiet",
+        ),
     )
     plant = region.members[0].plant
     names = [f"z {i + 1}" for i in range(len(bounds.z))]
@@ -208,3 +214,7 @@ def peak_sheet(bounds: PeakBounds) -> Sheet:
     )
     remark = f", theta within {share:.3g} of the radius"
     return Sheet("Bounds of z and u", remark, verdict, sections)
+
+
+def _listed(values: Array) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)
