@@ -235,16 +235,17 @@ def test_a_plant_is_no_certified_set():
 
 def test_limits_that_the_bound_of_u_justifies_are_covered_without_an_assumption():
     """u stays below the peak that limit_share assumes, so that the limits do apply that share."""
-    share = 0.02
-    region = certified_set(PLANT, first_order(), limit_share=0.7)
+    share, passed = 0.02, 0.4
+    region = certified_set(PLANT, first_order(theta_0=[0.0, -0.1]), limit_share=passed)
     bounds = peak_bounds(region, 1.0, share=share)
     impulse = np.zeros((200, 1))
     impulse[0] = 1.0
-    frozen = first_order(freeze=[(0, None)], k_w=0, k_update=2)
-    worst = np.where(simulate(PLANT, frozen, impulse).u[::-1] >= 0, 1.0, -1.0)  # for theta_0
-    limit = 0.7 * float(bounds.u[0])
+    start = {"theta_0": [0.0, -0.1], "k_w": 0, "k_update": 2}
+    response = simulate(PLANT, first_order(freeze=[(0, None)], **start), impulse).u
+    worst = np.where(response[::-1] >= 0, 1.0, -1.0)  # for theta_0 without limits
+    limit = passed * float(bounds.u[0])
     kept = CertifiedBounds(region.center, share * region.factor)
-    chosen = first_order(update=UD(R_theta=0.1), bounds=kept, k_w=0, k_update=2)
+    chosen = first_order(update=UD(R_theta=0.1), bounds=kept, **start)
     run = simulate(PLANT, chosen, worst, saturation=Saturation(low=-limit, high=limit))
     assert (run.u != run.u_applied).any()
     assert np.abs(run.u).max() <= bounds.u[0]
