@@ -59,6 +59,7 @@ from .identification._output_error import OutputErrorModel as OutputErrorModel
 from .identification._prediction_error import PredictionErrorModel as PredictionErrorModel
 from .identification._process import ProcessModel as ProcessModel
 from .identification._process_evidence import Gate as Gate
+from .identification._step_response import StepResponse as StepResponse
 from .identification._zeros import IdentifiedZeros as IdentifiedZeros
 from .identification._zeros_of_arx import OnlineZeros as OnlineZeros
 from .plants.gallery._operating_points import OperatingPoint as OperatingPoint

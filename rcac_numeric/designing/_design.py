@@ -46,6 +46,7 @@ from rcac_numeric.designing._reduced import (
 )
 from rcac_numeric.designing._reference import MOST, Reference, WeightGrid, sensitivity_peak
 from rcac_numeric.designing._simc import simc
+from rcac_numeric.designing._step_tests import plant_of_step, uncertainty_of_step
 from rcac_numeric.designing._trials import (
     BOXED,
     FIXED,
@@ -63,6 +64,7 @@ from rcac_numeric.engine._compatibility import AnyController
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.engine._simulation import simulate
 from rcac_numeric.identification._process_evidence import Gate
+from rcac_numeric.identification._step_response import StepResponse
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation, limits_of
 
@@ -378,7 +380,8 @@ def design(
         `Plant` counts as its map from u to y. Of a log u and y count, and r where it is known:
         `identify_process` makes the model, and a controller is handed out if every gate is passed.
         What the model leaves of y is noise and disturbance unless they are given, and the gain is
-        as uncertain as halves of the log disagree.
+        as uncertain as halves of the log disagree. A `StepResponse` brings dead time, noise and
+        uncertainty; `sample_time` is its `control_period` by default.
     disturbance : "unknown", number, Signal or None
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
         the size of one that is not known otherwise; 0 or None where there is none, and a command.
@@ -452,6 +455,8 @@ def design(
     )
     if isinstance(plant, ControllerLog):
         basis = _basis_of_log(plant, sample_time, number(dead_time, "dead_time"), around)
+    elif isinstance(plant, StepResponse):
+        basis = _basis_of_step(plant, sample_time, dead_time, around)
     else:
         whole = read_plant(plant, sample_time, dead_time)
         shorter = truncated(whole)
@@ -493,6 +498,16 @@ def design(
         uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
         runs=by_name, steps=steps, certified=certified,
     )  # fmt: skip
+
+
+def _basis_of_step(
+    step: StepResponse, sample_time: float | None, dead_time: ArrayLike, around: _DesignOptions
+) -> _Basis:
+    """The plant of a step test, as uncertain as its intervals and at least as usual."""
+    period = step.control_period if sample_time is None else number(sample_time, "sample_time")
+    model = plant_of_step(step, period, dead_time if np.any(dead_time) else None)
+    noise = step.residual if around.noise is None else around.noise
+    return _basis_of(model, uncertainty_of_step(step, period), replace(around, noise=noise))
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from ._process import identify_process as identify_process
 from ._recursive_arx import RecursiveARX as RecursiveARX
 from ._recursive_markov import RecursiveMarkov as RecursiveMarkov
 from ._recursive_mu_markov import RecursiveMuMarkov as RecursiveMuMarkov
+from ._step_response import identify_step_response as identify_step_response
 from ._windows import IdentifiedWindow as IdentifiedWindow
 from ._windows import identify_windows as identify_windows
 from ._zeros import identified_zeros as identified_zeros

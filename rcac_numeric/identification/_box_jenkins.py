@@ -87,6 +87,11 @@ class ProcessFit:
         return len(self.A) - 1
 
     @property
+    def integrates(self) -> bool:
+        """Whether the plant has a pole at 1 that is not fitted."""
+        return self.summed
+
+    @property
     def denominator(self) -> Array:
         """A with its pole at 1."""
         return np.convolve(self.A, DIFFERENCE) if self.summed else self.A

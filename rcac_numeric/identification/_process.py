@@ -22,6 +22,7 @@ from rcac_numeric.identification._process_evidence import (
     gain_gate,
     jump_gate,
     parameter_covariance,
+    require_delay,
     sign_gate,
 )
 from rcac_numeric.identification._process_records import process_record
@@ -239,11 +240,8 @@ def search_of(u: ArrayLike, y: ArrayLike, delay: int | None) -> ProcessSearch:
 
 def require_effect(feedthrough: Gate | None, effect: Gate) -> None:
     """Raise an error where y answers to u at once, or not at all."""
-    if feedthrough is not None and not feedthrough.passed:
-        raise InputError(
-            f"y(k) responds to u(k): {feedthrough.words}. u and y of a row are one step apart: "
-            "log y before u is applied, or shift y by one row, y[1:] with u[:-1]."
-        )
+    if feedthrough is not None:
+        require_delay(feedthrough)
     if not effect.passed:
         raise UndecidedError(
             f"the record shows no effect of u on y: {effect.words}. {effect.advice}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -12,6 +13,7 @@ from scipy.signal import fftconvolve, lfilter
 from scipy.stats import chi2
 
 from compensator_theory._truth import Truth
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.identification._box_jenkins import (
     ONE,
@@ -43,6 +45,19 @@ COLOUR = 8  # order of the autoregression of e
 LAGS = 25  # of u beyond the delay, in that test
 MOST_DELAYS = 8  # of a range of credible delays those that are tried
 OMEGA = np.geomspace(1e-4, np.pi, 100)
+
+
+class AnyFit(Protocol):
+    """What the evidence reads of a fit, in discrete or in continuous time."""
+
+    @property
+    def noise(self) -> NoiseModel: ...
+    @property
+    def slope(self) -> bool: ...
+    @property
+    def integrates(self) -> bool: ...
+    @property
+    def heavy(self) -> bool: ...
 
 
 @dataclass(frozen=True)
@@ -126,7 +141,7 @@ def _inflation(e: Array, omega: Array) -> Array:
 
 def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
     """Whether y is explained worse without u, by BIC."""
-    difference = _without_u(search.record, fit) - fit.bic
+    difference = bic_without_u(search.record, fit) - fit.bic
     shift = (
         " y(k) predicts u(k): if u was not computed from y, y of a row is a step late; shift it, "
         "y[1:] with u[:-1]." * search.is_closed
@@ -138,12 +153,12 @@ def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
     )  # fmt: skip
 
 
-def _without_u(record: ProcessRecord, fit: ProcessFit) -> float:
+def bic_without_u(record: ProcessRecord, fit: AnyFit) -> float:
     """The least BIC of models of y alone: noise of order 2, and that of the fit with its slope."""
     y, values = record.y, []
     starts = [_alone(noise_start(y, orders)) for orders in RICHER.values()]
     starts.append(_alone(noise_start(y - np.linspace(y[0], y[-1], len(y)), RICHER[0]), True))
-    starts.append(_alone(fit.noise, fit.slope or fit.summed))
+    starts.append(_alone(fit.noise, fit.slope or fit.integrates))
     for start in starts:
         alone = fitted(record, start, is_plant_fixed=True)
         if alone is None:
@@ -175,28 +190,42 @@ def jump_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
     record = search.record
     if record.moves > FEW:
         return None
-    penalty = 2 * float(np.log(record.steps))
-    without = np.inf
-    for orders in NOISES:
-        alone = fitted(record, _alone(noise_start(record.y, orders)), is_plant_fixed=True)
-        if alone is None:
-            continue
-        y, jumps = _without_jumps(record.y, alone.e, alone.noise)
-        again = fitted(replace(record, y=y), start_of(alone), is_plant_fixed=True) or alone
-        without = min(without, again.bic - float(np.log(record.steps)) + jumps * penalty)
-    y, jumps = _without_jumps(record.y, fit.e, fit.noise)
+    y, jumps = without_jumps(record.y, fit.e, fit.noise)
     beside = fitted(replace(record, y=y), start_of(fit), iterations=8)
-    best = fit.bic if beside is None else min(fit.bic, beside.bic + jumps * penalty)
-    difference = without - best
+    best = fit.bic if beside is None else min(fit.bic, beside.bic + jumps * jump_penalty(record))
+    return gate_of_jumps(record.moves, bic_of_jumps(record) - best)
+
+
+def gate_of_jumps(moves: int, difference: float) -> Gate:
+    """The gate of a BIC with jumps in place of u, less that with u."""
     return Gate(
         "level jumps", difference > ODDS, difference, ODDS,
-        f"moves of u: {record.moves}; with up to {MOST_JUMPS} level jumps in place of u the BIC "
+        f"moves of u: {moves}; with up to {MOST_JUMPS} level jumps in place of u the BIC "
         f"is larger by {difference:.3g}, at least {ODDS:.3g} is required",
         "A jump of the disturbance would look the same: step u again, several times.",
     )  # fmt: skip
 
 
-def _without_jumps(y: Array, e: Array, noise: NoiseModel) -> tuple[Array, int]:
+def jump_penalty(record: ProcessRecord) -> float:
+    """What each jump adds to BIC: its time and its size."""
+    return 2 * float(np.log(record.steps))
+
+
+def bic_of_jumps(record: ProcessRecord) -> float:
+    """The least BIC of y with up to three level jumps and without u."""
+    without = np.inf
+    for orders in NOISES:
+        alone = fitted(record, _alone(noise_start(record.y, orders)), is_plant_fixed=True)
+        if alone is None:
+            continue
+        y, jumps = without_jumps(record.y, alone.e, alone.noise)
+        again = fitted(replace(record, y=y), start_of(alone), is_plant_fixed=True) or alone
+        bic = again.bic - float(np.log(record.steps)) + jumps * jump_penalty(record)
+        without = min(without, bic)
+    return without
+
+
+def without_jumps(y: Array, e: Array, noise: NoiseModel) -> tuple[Array, int]:
     """Y less the level jumps in e, one after another as long as each pays 3 log N, and how many."""
     steps = len(y)
     response = lfilter(noise.whitener, noise.C, np.ones(steps))
@@ -253,6 +282,15 @@ def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
         f"with u(k) in the model of y(k) the BIC is smaller by {difference:.3g}",
         "Shift y by one row.",
     )  # fmt: skip
+
+
+def require_delay(feedthrough: Gate) -> None:
+    """Raise an error where y answers to u at once."""
+    if not feedthrough.passed:
+        raise InputError(
+            f"y(k) responds to u(k): {feedthrough.words}. u and y of a row are one step apart: "
+            "log y before u is applied, or shift y by one row, y[1:] with u[:-1]."
+        )
 
 
 def credible_delays(search: ProcessSearch, fit: ProcessFit) -> list[tuple[Array, int]]:
@@ -350,8 +388,13 @@ def sign_gate(search: ProcessSearch, fit: ProcessFit, omega: float) -> Gate:
         if one.is_unstable == fit.is_unstable
         and not np.real(one.response(at) / fit.response(at)).item() > 0
     ]  # fmt: skip
+    return sign_gate_of(len(others), omega)
+
+
+def sign_gate_of(others: int, omega: float) -> Gate:
+    """The gate of a number of credible models with the other sign."""
     return Gate(
-        "sign", not others, float(len(others)), 0.0,
-        f"credible models with the other sign at {omega:.2g} rad/step: {len(others)}",
+        "sign", not others, float(others), 0.0,
+        f"credible models with the other sign at {omega:.2g} rad/step: {others}",
         "The record supports both signs: excite u more, several times.",
     )  # fmt: skip

@@ -59,14 +59,41 @@ class ProcessRecord:
         """The number of steps at which u changes."""
         return int(np.count_nonzero(np.diff(self.u)))
 
+    @property
+    def rounding(self) -> float:
+        """The standard deviation of the rounding of y."""
+        return self.quantum * QUANTUM_SD
+
+    @property
+    def repeats(self) -> float:
+        """Rows for each value of a rounded y, on average; they have one error. Else 1."""
+        changes = np.count_nonzero(np.diff(self.y)) if self.quantum else self.steps - 1
+        return self.steps / (changes + 1)
+
     def clipped(self) -> Array | None:
         """Y with its jumps clipped at six robust standard deviations; None where it has none."""
-        dy = np.diff(self.y, prepend=self.y[0])
-        middle = float(np.median(dy))
-        size = JUMP * (ROBUST * float(np.median(np.abs(dy - middle))) + 1e-12)
+        dy, middle, size = self._differences()
         if size < JUMP * 1e-6 or not (np.abs(dy - middle) > size).any():
             return None
         return np.cumsum(np.clip(dy, middle - size, middle + size))
+
+    def large_jumps(self, most: int) -> tuple[int, ...]:
+        """The steps of its jumps, of six robust standard deviations; none if they are too many."""
+        dy, middle, size = self._differences()
+        at = np.nonzero(np.abs(dy - middle) > size)[0]
+        return tuple(map(int, at)) if size > JUMP * 1e-6 and len(at) <= most else ()
+
+    def without(self, at: tuple[int, ...]) -> Array:
+        """Y without its jumps at some steps."""
+        dy, middle, _ = self._differences()
+        dy[list(at)] = middle
+        return np.cumsum(dy)
+
+    def _differences(self) -> tuple[Array, float, float]:
+        """The differences of y, their median, and the size of a jump."""
+        dy = np.diff(self.y, prepend=self.y[0])
+        middle = float(np.median(dy))
+        return dy, middle, JUMP * (ROBUST * float(np.median(np.abs(dy - middle))) + 1e-12)
 
     def part(self, rows: slice) -> ProcessRecord:
         """Some of the steps as a record."""
@@ -78,7 +105,7 @@ class ProcessRecord:
 
         No scale is below that of the rounding of y.
         """
-        floor = self.quantum * QUANTUM_SD
+        floor = self.rounding
         squares = e * e
         mean = float(np.mean(squares))
         variance = max(mean, floor**2, 1e-300)

@@ -143,6 +143,12 @@ def answered(seed):
     return u, lfilter([0, 1], [1, -0.5], u) + 0.01 * v
 
 
+def stepped(seed):
+    """A step of u, and the y of a lag with noise."""
+    u = np.repeat([0.0, 1.0], (20, 100))
+    return u, lfilter([0, 0, 0.1], [1, -0.9], u) + 0.01 * random(seed, 120)
+
+
 def bounds(seed):
     return rcac.CoefficientBounds(-1 - seed, [2.0] * 4, gains={"Q": (-3, None)}, sweeps=7)
 
@@ -418,6 +424,7 @@ SAMPLES = {
     ),
     results.ProcessModel: lambda seed: identification.identify_process(*answered(seed)),
     results.Gate: lambda seed: identification.identify_process(*answered(seed)).gates[0],
+    results.StepResponse: lambda seed: identification.identify_step_response(*stepped(seed)),
     results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(
         *answered(seed), orders=(1,), delays=(0,)
     ),

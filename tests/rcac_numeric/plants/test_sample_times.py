@@ -85,7 +85,10 @@ DOORS = {
 }  # fmt: skip
 # Made by functions, or in seconds alone: with nothing to compare. A log's stamps beside
 # `sample_time` are in signals/test_clock.py.
-RESULTS = {"Margins", "Clock", "ProcessModel", "identify_process", "read_log"}
+RESULTS = {
+    "Margins", "Clock", "ProcessModel", "StepResponse", "identify_process",
+    "identify_step_response", "read_log",
+}  # fmt: skip
 CASES = [(door, name) for door, cases in DOORS.items() for name in cases]
 
 
