@@ -21,6 +21,7 @@ GROUPS = {
         "observer": ("_observer:observer", "Test whether a compensator is observer-based."),
     },
     "Adapt": {
+        "step": ("_step:step", "Identify gain, time constants and dead time of a step test."),
         "design": ("_design:design", "Design a controller and explain the choices."),
         "tune": (
             "_design:tune_command",
