@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rcac_numeric.designing._plants import Uncertainty
 from rcac_numeric.designing._step_tests import uncertainty_of_step
 from rcac_numeric.identification._step_response import StepResponse
@@ -20,14 +22,16 @@ def step_response_sheet(step: StepResponse) -> Sheet:
             f"design(step), or rcac design; control period {step.control_period:.4g} {step.unit}",
         ),
     )
-    record = {
-        name: getattr(step, name)
-        for name in (
-            "kind", "plant", "gain", "gain_interval", "dead_time", "dead_time_interval",
-            "time_constants", "damping", "natural_frequency", "residence_time", "operating_point",
-            "slope", "is_moving", "moves", "residual", "noise", "explained", "jumps", "u_noise",
-            "spikes", "sample_time", "control_period",
-        )
+    record: dict[str, Any] = {
+        "kind": step.kind, "plant": step.plant, "gain": step.gain,
+        "gain_interval": step.gain_interval, "dead_time": step.dead_time,
+        "dead_time_interval": step.dead_time_interval, "time_constants": step.time_constants,
+        "damping": step.damping, "natural_frequency": step.natural_frequency,
+        "residence_time": step.residence_time, "operating_point": step.operating_point,
+        "slope": step.slope, "is_moving": step.is_moving, "moves": step.moves,
+        "residual": step.residual, "noise": step.noise, "explained": step.explained,
+        "jumps": step.jumps, "u_noise": step.u_noise, "spikes": step.spikes,
+        "sample_time": step.sample_time, "control_period": step.control_period,
     }  # fmt: skip
     record["credible_kinds"] = dict(step.credible_kinds)
     record["gates"] = {
