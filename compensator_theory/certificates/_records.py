@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 import sympy
@@ -41,7 +41,7 @@ Product: TypeAlias = tuple[int, tuple[str, ...]]
 """A factor, and the names of matrices that are multiplied; a name with ' is transposed."""
 
 
-class _Writer:
+class RecordWriter:
     """A record as it is written."""
 
     def __init__(self, kind: str, statement: str, variable: Symbol | None = None) -> None:
@@ -83,6 +83,10 @@ class _Writer:
     def stable(self, name: str, time: Time) -> None:
         """Claim that a polynomial has stable roots only."""
         self._claim("stable", {"is": name, "time": time})
+
+    def definite(self, name: str) -> None:
+        """Claim that a symmetric matrix of numbers is positive definite."""
+        self._claim("definite", name)
 
     def _claim(self, kind: str, claim: Any) -> None:
         self.claims.setdefault(kind, []).append(claim)
@@ -141,8 +145,10 @@ def _number(c: Expr) -> str:
     return decimal(top) if bottom == 1 else f"{decimal(top)}/{decimal(bottom)}"
 
 
-def _placement(found: PolePlacement) -> _Writer:
-    write = _Writer("placement", "D D_c - f N N_c = lambda D~, D dD = f N dN", found.target.gen)
+def _placement(found: PolePlacement) -> RecordWriter:
+    write = RecordWriter(
+        "placement", "D D_c - f N N_c = lambda D~, D dD = f N dN", found.target.gen
+    )
     plant = found.plant
     write.matrix("D", plant.denominator)
     write.matrix("N", plant.numerator)
@@ -161,8 +167,8 @@ def _placement(found: PolePlacement) -> _Writer:
     return write
 
 
-def _diophantine(found: DiophantineSolution) -> _Writer:
-    write = _Writer("Diophantine equation", "a x + b y = c, a dx + b dy = 0", found.a.gen)
+def _diophantine(found: DiophantineSolution) -> RecordWriter:
+    write = RecordWriter("Diophantine equation", "a x + b y = c, a dx + b dy = 0", found.a.gen)
     for name in ("a", "b", "c", "x", "y", "dx", "dy"):
         write.matrix(name, getattr(found, name))
     write.equation((1, ("a", "x")), (1, ("b", "y")), (-1, ("c",)))
@@ -170,8 +176,8 @@ def _diophantine(found: DiophantineSolution) -> _Writer:
     return write
 
 
-def _bezout(found: BezoutIdentity) -> _Writer:
-    write = _Writer("Bezout identity", "x a + y b = g, a = g a', b = g b'", found.a.gen)
+def _bezout(found: BezoutIdentity) -> RecordWriter:
+    write = RecordWriter("Bezout identity", "x a + y b = g, a = g a', b = g b'", found.a.gen)
     for name in ("a", "b", "x", "y"):
         write.matrix(name, getattr(found, name))
     write.matrix("g", found.gcd)
@@ -183,8 +189,8 @@ def _bezout(found: BezoutIdentity) -> _Writer:
     return write
 
 
-def _matrix_placement(found: MatrixPlacement) -> _Writer:
-    write = _Writer("matrix placement", "D_l D_c - f N_l N_c = diag(p)", found.targets[0].gen)
+def _matrix_placement(found: MatrixPlacement) -> RecordWriter:
+    write = RecordWriter("matrix placement", "D_l D_c - f N_l N_c = diag(p)", found.targets[0].gen)
     for name in ("D_l", "N_l", "D_c", "N_c"):
         write.matrix(name, getattr(found, name))
     write.matrix("p", ImmutableMatrix(sympy.diag(*(p.as_expr() for p in found.targets))))
@@ -192,8 +198,8 @@ def _matrix_placement(found: MatrixPlacement) -> _Writer:
     return write
 
 
-def _doubly_coprime(found: DoublyCoprimeFractions) -> _Writer:
-    write = _Writer(
+def _doubly_coprime(found: DoublyCoprimeFractions) -> RecordWriter:
+    write = RecordWriter(
         "doubly coprime fractions",
         "[[V_l, -U_l], [-N_l, M_l]] [[M_r, U_r], [N_r, V_r]] = I",
         found.M_r.variable,
@@ -210,8 +216,8 @@ def _doubly_coprime(found: DoublyCoprimeFractions) -> _Writer:
     return write
 
 
-def _equivalence(found: Equivalence) -> _Writer:
-    write = _Writer("equivalence", "U P V = F, U U^-1 = I, V V^-1 = I", found.matrix.variable)
+def _equivalence(found: Equivalence) -> RecordWriter:
+    write = RecordWriter("equivalence", "U P V = F, U U^-1 = I, V V^-1 = I", found.matrix.variable)
     for name, content in (
         ("P", found.matrix), ("F", found.form), ("U", found.U), ("V", found.V),
         ("U_inverse", found.U_inverse), ("V_inverse", found.V_inverse),
@@ -225,10 +231,10 @@ def _equivalence(found: Equivalence) -> _Writer:
     return write
 
 
-def _matrix_diophantine(found: MatrixDiophantineSolution) -> _Writer:
+def _matrix_diophantine(found: MatrixDiophantineSolution) -> RecordWriter:
     left = found.side == "right"
     statement = "A X + B Y = C" if left else "X A + Y B = C"
-    write = _Writer("matrix Diophantine equation", statement, found.A.variable)
+    write = RecordWriter("matrix Diophantine equation", statement, found.A.variable)
     for name in ("A", "B", "C", "X", "Y"):
         write.matrix(name, getattr(found, name))
     pairs = (("A", "X"), ("B", "Y")) if left else (("X", "A"), ("Y", "B"))
@@ -236,8 +242,8 @@ def _matrix_diophantine(found: MatrixDiophantineSolution) -> _Writer:
     return write
 
 
-def _brunovsky(found: BrunovskyForm) -> _Writer:
-    write = _Writer("Brunovsky form", "(A + B F) T = T A_c, B W = T B_c, T and W regular")
+def _brunovsky(found: BrunovskyForm) -> RecordWriter:
+    write = RecordWriter("Brunovsky form", "(A + B F) T = T A_c, B W = T B_c, T and W regular")
     for name in ("A", "B", "F", "T", "W", "A_c", "B_c"):
         write.matrix(name, getattr(found, name))
     write.equation((1, ("A", "T")), (1, ("B", "F", "T")), (-1, ("T", "A_c")))
@@ -247,8 +253,8 @@ def _brunovsky(found: BrunovskyForm) -> _Writer:
     return write
 
 
-def _gain_family(found: StateFeedbackFamily) -> _Writer:
-    write = _Writer("state feedback", "det(sI - A - B K) = p", found.polynomial.gen)
+def _gain_family(found: StateFeedbackFamily) -> RecordWriter:
+    write = RecordWriter("state feedback", "det(sI - A - B K) = p", found.polynomial.gen)
     for name, content in (("A", found.form.A), ("B", found.form.B), ("K", found.gain())):
         write.matrix(name, content)
     write.matrix("p", found.polynomial)
@@ -256,8 +262,8 @@ def _gain_family(found: StateFeedbackFamily) -> _Writer:
     return write
 
 
-def _observer_form(found: ObserverForm) -> _Writer:
-    write = _Writer(
+def _observer_form(found: ObserverForm) -> RecordWriter:
+    write = RecordWriter(
         "observer form", "B_c C + A_c T = T (A + B C_c T), both spectra", found.plant.variable
     )
     plant, compensator = found.plant, found.compensator
@@ -278,8 +284,8 @@ def _observer_form(found: ObserverForm) -> _Writer:
     return write
 
 
-def _observer_based(found: ObserverBasedCompensator) -> _Writer:
-    write = _Writer(
+def _observer_based(found: ObserverBasedCompensator) -> RecordWriter:
+    write = RecordWriter(
         "observer-based compensator", "det(sI - A - B K) = p_R, det(sI - A + F C) = p_O",
         found.plant.variable,
     )  # fmt: skip
@@ -293,14 +299,14 @@ def _observer_based(found: ObserverBasedCompensator) -> _Writer:
     return write
 
 
-def _riccati(found: RiccatiSolution) -> _Writer:
+def _riccati(found: RiccatiSolution) -> RecordWriter:
     if found.K_in_field is None or found.P_in_field is None:
         raise InputError(
             "the solution is known by enclosures alone, so that there is no identity to record; "
             "raise budget(field_degree=...)"
         )
     discrete = found.factor.time == "discrete"
-    write = _Writer("Riccati equation", "the equation and its gain")
+    write = RecordWriter("Riccati equation", "the equation and its gain")
     for name in ("A", "B", "Q", "R", "N"):
         write.matrix(name, getattr(found, name))
     write.matrix("P", found.P_in_field)
@@ -322,8 +328,8 @@ def _riccati(found: RiccatiSolution) -> _Writer:
     return write
 
 
-def _transition(found: TransitionMatrix) -> _Writer:
-    write = _Writer("transition matrix", "(s I - A) Phi = I, or z I", found.variable)
+def _transition(found: TransitionMatrix) -> RecordWriter:
+    write = RecordWriter("transition matrix", "(s I - A) Phi = I, or z I", found.variable)
     s, n = found.variable, found.A.rows
     discrete = found.responses[0][0].is_discrete
     write.matrix("A", found.A)
@@ -334,8 +340,8 @@ def _transition(found: TransitionMatrix) -> _Writer:
     return write
 
 
-def _intervals(found: StabilityIntervals) -> _Writer:
-    write = _Writer(
+def _intervals(found: StabilityIntervals) -> RecordWriter:
+    write = RecordWriter(
         "stability intervals", "stable at a point of each interval", found.polynomial.gen
     )
     time = time_of(found.polynomial.gen, "stability")
@@ -346,7 +352,7 @@ def _intervals(found: StabilityIntervals) -> _Writer:
     return write
 
 
-_WRITERS: Mapping[type, Callable[[Any], _Writer]] = {
+_WRITERS: dict[type, Callable[[Any], RecordWriter]] = {
     PolePlacement: _placement,
     DiophantineSolution: _diophantine,
     BezoutIdentity: _bezout,
@@ -371,7 +377,8 @@ def certificate_record(result: object) -> Record:
     Parameters
     ----------
     result : PolePlacement, DiophantineSolution, RiccatiSolution, ObserverForm, ...
-        A result whose data, given and computed, satisfy equations.
+        A result whose data, given and computed, satisfy equations. The numeric half's
+        ``CertifiedSet`` has a method of this name.
 
     Returns
     -------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from compensator_theory import figures
 from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import IllConditionedError, InputError, NoSolutionError
+from compensator_theory.stability._bounded_real_lemma import GainBound
 from rcac_numeric.analysis._ellipsoids import largest_for_matrices
 from rcac_numeric.analysis._moving_gains import (
     InputGains,
@@ -201,17 +202,81 @@ class CertifiedSet(Result):
         """
         if not self._is_ellipsoid():
             return False
+        return all(
+            bound is not None and bound.is_proved_by(matrix_of(member.P))
+            for member, bound in self._bounds_of_members()
+        )
+
+    def _bounds_of_members(self) -> Iterator[tuple[CertifiedMember, GainBound | None]]:
+        """Yield each member with the bound that its P proves; None without multipliers."""
         gains = InputGains(*self.input_gain, self.limit_share)
-        K, scale = self.regressor_factor, self.input_scale
         for member in self.members:
             system = regressor_system(member.plant, self.structure, self.fixed)
             loop = perturbed_loop(system, self.center, gains)
             s = member.multipliers
             if s.shape != (loop.gains,) or not (np.isfinite(s) & (s > 0)).all():
-                return False
-            if not loop.bound(K, scale, s, self.rate).is_proved_by(matrix_of(member.P)):
-                return False
-        return True
+                yield member, None
+            else:
+                yield member, loop.bound(self.regressor_factor, self.input_scale, s, self.rate)
+
+    def certificate_record(self) -> dict[str, Any]:
+        """Return the certificate as a record of JSON that another program checks.
+
+        For every member the matrices of the bounded real lemma, P and S, in the rational numbers of
+        the float64 data; ``proofs/recheck.py`` of a checkout evaluates them with Python's standard
+        library alone. That the loop has these matrices is not part of the record.
+
+        Returns
+        -------
+        dict
+            As `compensator_theory.certificate_record` returns it.
+
+        Raises
+        ------
+        InputError
+            If a member has no multipliers, so that there is no proof.
+        """
+        from sympy import ImmutableMatrix, Rational  # SymPy and the exact half, whole
+
+        from compensator_theory.certificates._records import RecordWriter
+        from compensator_theory.matrices._flint_matrices import from_flint
+
+        write = RecordWriter(
+            "certified set", "P > 0 and the matrix S of the bounded real lemma > 0"
+        )
+        for k, (member, bound) in enumerate(self._bounds_of_members()):
+            if bound is None:
+                raise InputError("the multipliers of a member are not positive numbers.")
+            P = matrix_of(member.P)
+            n, m = int(bound.A.nrows()), int(bound.B.ncols())
+            zero = fmpq_mat(bound.C.nrows(), m)
+            square = Rational(int(bound.rate.p), int(bound.rate.q)) ** 2
+            parts = {"A": bound.A, "B": bound.B, "C": bound.C, "R": bound.R, "P": P,
+                     "D": zero if bound.D is None else bound.D, "S": bound.matrix(P)}  # fmt: skip
+            for name, part in parts.items():
+                write.matrix(f"{name}{k}", from_flint(part))
+            unit = ImmutableMatrix.eye(n + m)
+            write.matrix(f"E{k}", unit[:n, :])
+            write.matrix(f"F{k}", unit[n:, :])
+            write.matrix(f"a{k}", square * ImmutableMatrix.eye(n))
+            write.matrix(f"b{k}", square * ImmutableMatrix.eye(m))
+            A, B, C, D, R, E, F, a, b = (f"{name}{k}" for name in "ABCDREFab")
+            write.equation(
+                (1, (f"S{k}",)),
+                (-1, (f"{E}'", a, f"P{k}", E)),
+                (1, (f"{E}'", f"{A}'", f"P{k}", A, E)),
+                (1, (f"{E}'", a, f"{C}'", C, E)),
+                (1, (f"{E}'", f"{A}'", f"P{k}", B, F)),
+                (1, (f"{E}'", a, f"{C}'", D, F)),
+                (1, (f"{F}'", f"{B}'", f"P{k}", A, E)),
+                (1, (f"{F}'", b, f"{D}'", C, E)),
+                (-1, (f"{F}'", b, R, F)),
+                (1, (f"{F}'", b, f"{D}'", D, F)),
+                (1, (f"{F}'", f"{B}'", f"P{k}", B, F)),
+            )
+            write.definite(f"P{k}")
+            write.definite(f"S{k}")
+        return write.record()
 
     def _is_ellipsoid(self) -> bool:
         K, scale = self.regressor_factor, self.input_scale
