@@ -42,7 +42,7 @@ class NoiseModel:
 
 @dataclass(frozen=True, eq=False)
 class ProcessFit:
-    """y = q^-delay B/A u + level (+ slope) + C/(D (1 - q^-1)^i) e, fitted to a record.
+    """y = q^-delay B/A u + level (+ slope, sinusoid) + C/(D (1 - q^-1)^i) e, fitted to a record.
 
     Attributes
     ----------
@@ -56,10 +56,13 @@ class ProcessFit:
         Whether the level of y has a slope.
     armax : bool
         Whether A multiplies y and stands below the noise too, so that its poles may be anywhere.
+    sinusoid : float
+        Frequency of a sinusoid beside the level, in rad/step; 0 where there is none.
     e : array
         The prediction errors.
     jacobian : array, shape (parameters, steps)
-        Their derivatives by A, B, C and D, with level, slope and initial state projected out.
+        Their derivatives by A, B, C, D and the frequency, with level, slope, sinusoid and initial
+        state projected out.
     parameters : int
         All that is fitted.
     bic : float
@@ -75,6 +78,7 @@ class ProcessFit:
     summed: bool
     slope: bool
     armax: bool
+    sinusoid: float
     e: Array
     jacobian: Array
     parameters: int
@@ -101,6 +105,7 @@ class ProcessFit:
         """What the model is: its orders, delay and kind."""
         return (
             self.order, self.delay, self.noise.orders, self.armax, self.summed, self.slope,
+            self.sinusoid > 0,
         )  # fmt: skip
 
     @cached_property
@@ -129,6 +134,13 @@ class Start:
     summed: bool = False
     slope: bool = False
     armax: bool = False
+    sinusoid: float = 0.0
+
+    @property
+    def coefficients(self) -> Array:
+        """A, B, C and D without their ones, and the frequency of a sinusoid."""
+        ends = [self.sinusoid] if self.sinusoid else []
+        return np.concatenate([self.A[1:], self.B, self.noise.C[1:], self.noise.D[1:], ends])
 
 
 def response_of(B: Array, A: Array, delay: int, omega: Array) -> ComplexArray:
@@ -140,7 +152,9 @@ def response_of(B: Array, A: Array, delay: int, omega: Array) -> ComplexArray:
 
 def start_of(fit: ProcessFit) -> Start:
     """What another fit may begin at, from this one."""
-    return Start(fit.A, fit.B, fit.delay, fit.noise, fit.summed, fit.slope, fit.armax)
+    return Start(
+        fit.A, fit.B, fit.delay, fit.noise, fit.summed, fit.slope, fit.armax, fit.sinusoid
+    )  # fmt: skip
 
 
 def later(signal: Array, steps: int) -> Array:
@@ -191,13 +205,14 @@ class _Errors:
         self.known = [np.ones(steps)]
         if start.summed or start.slope:
             self.known.append(np.linspace(0, 1, steps))
-        self.free = len(self.known) + self.n
+        self.fixed = len(self.known) + 2 * bool(start.sinusoid)
+        self.free = self.fixed + self.n
 
     def split(self, theta: Array) -> tuple[Array, Array, NoiseModel]:
         """A, B and the noise model of the coefficients."""
         n, m, n_C = self.n, self.m, self.n_C
         C = np.concatenate([ONE, theta[n + m : n + m + n_C]])
-        D = np.concatenate([ONE, theta[n + m + n_C :]])
+        D = np.concatenate([ONE, theta[n + m + n_C : n + m + n_C + self.n_D]])
         return (
             np.concatenate([ONE, theta[:n]]),
             theta[n : n + m],
@@ -207,9 +222,10 @@ class _Errors:
     def confined(self, theta: Array) -> Array:
         """The coefficients with stable filters."""
         A, B, noise = self.split(theta)
+        n_all = self.n + self.m + self.n_C + self.n_D
         A = A if self.start.armax else confined(A, CIRCLE)
         C, D = confined(noise.C, OF_C), confined(noise.D, CIRCLE)
-        return np.concatenate([A[1:], B, C[1:], D[1:]])
+        return np.concatenate([A[1:], B, C[1:], D[1:], theta[n_all:]])
 
     def at(self, theta: Array) -> _Point | None:
         """The errors there; None where they leave float64."""
@@ -221,12 +237,13 @@ class _Errors:
         else:
             x = lfilter(np.concatenate([[0.0], B]), A, self.u)
             v, response = self.y - x, lfilter(ONE, A, self.impulse)
-        raw = np.stack([v, *self.known, response])
+        waves = sinusoids(theta[-1], len(v)) if self.start.sinusoid else ()
+        raw = np.stack([v, *self.known, *waves, response])
         white = lfilter(noise.whitener, noise.C, raw)
         if not np.isfinite(white[0]).all() or not np.isfinite(white[-1]).all():
             return None
         F = np.empty((self.free, len(v)))
-        fixed = len(self.known)
+        fixed = self.fixed
         F[:fixed] = white[1 : 1 + fixed]
         for i in range(self.n):
             F[fixed + i] = later(white[-1], i)
@@ -262,16 +279,20 @@ class _Point:
         errors, noise, A = self.errors, self.noise, self.A
         n, m, n_C, n_D = errors.n, errors.m, errors.n_C, errors.n_D
         v, x, steps = self.raw[0], self.x, len(self.e)
+        wave = None
         if len(self.R):
             free = np.linalg.solve(self.R, self.coefficients) / self.size
-            known = len(errors.known)
+            known = errors.fixed
+            if errors.start.sinusoid:
+                cosine, sine = self.raw[known - 1 : known + 1]
+                wave = np.arange(steps) * (free[known - 1] * cosine - free[known - 2] * sine)
             v = v - free[:known] @ self.raw[1 : 1 + known]
             if n:
                 state = np.convolve(self.raw[-1], free[known:])[:steps]
                 v = v - state
                 if not errors.start.armax:  # the free response has the poles of the plant
                     x = x + state
-        J = np.zeros((n + m + n_C + n_D, steps))
+        J = np.zeros((len(self.theta), steps))
         top = noise.whitener
         if errors.start.armax:
             by_A, by_B = lfilter(top, noise.C, np.stack([errors.y, -errors.u]))
@@ -290,6 +311,8 @@ class _Point:
             by_D = lfilter(DIFFERENCE if errors.differences else ONE, noise.C, v)
             for k in range(1, n_D + 1):
                 J[n + m + n_C + k - 1, k:] = by_D[:-k]
+        if wave is not None:
+            J[-1] = -lfilter(top, noise.C, wave)
         if errors.weights is not None:
             J *= errors.weights
         if not np.isfinite(J).all():
@@ -303,12 +326,10 @@ def fitted(
 ) -> ProcessFit | None:  # fmt: skip
     """Minimise the prediction errors from a start by Levenberg and Marquardt; None if it fails.
 
-    Level, slope and initial state are projected out (Golub and Pereyra, with Kaufman's gradient).
+    Level, slope, sinusoid and initial state are projected out (Golub and Pereyra, with Kaufman's gradient).
     """
     errors = _Errors(record, start, weights)
-    noise = start.noise
-    theta = np.concatenate([start.A[1:], start.B, noise.C[1:], noise.D[1:]])
-    point = errors.at(errors.confined(theta))
+    point = errors.at(errors.confined(start.coefficients))
     J = None if point is None else point.jacobian()
     if point is None or J is None:
         return None
@@ -355,23 +376,31 @@ def _evaluated(record: ProcessRecord, errors: _Errors, point: _Point, J: Array) 
     parameters = len(point.theta) + errors.free + 1
     bic = record.steps * min(gauss, student) + parameters * float(np.log(record.steps))
     return ProcessFit(
-        A, B, start.delay, noise, start.summed, start.slope, start.armax, e, J, parameters, bic,
+        A, B, start.delay, noise, start.summed, start.slope, start.armax,
+        float(point.theta[-1]) if start.sinusoid else 0.0, e, J, parameters, bic,
         student < gauss - 0.02,
     )  # fmt: skip
 
 
-def _unweighted(point: _Point) -> Array:
-    """V less what is free of it."""
+def _unweighted(point: _Point, waves: bool = True) -> Array:
+    """V less what is free of it, with or without the sinusoid."""
     errors = point.errors
     v: Array = point.raw[0]
     if not len(point.R):
         return v
     free = np.linalg.solve(point.R, point.coefficients) / point.size
-    known = len(errors.known)
+    fixed = errors.fixed
+    known = fixed if waves else len(errors.known)
     v = np.asarray(v - free[:known] @ point.raw[1 : 1 + known])
     if errors.n:
-        v -= np.convolve(point.raw[-1], free[known:])[: len(v)]
+        v -= np.convolve(point.raw[-1], free[fixed:])[: len(v)]
     return v
+
+
+def sinusoids(omega: float, steps: int) -> tuple[Array, Array]:
+    """A cosine and a sine of a frequency in rad/step."""
+    phase = omega * np.arange(steps)
+    return np.cos(phase), np.sin(phase)
 
 
 def weighted_fit(record: ProcessRecord, fit: ProcessFit, rounds: int = 4) -> ProcessFit:
@@ -444,7 +473,7 @@ def disturbance(record: ProcessRecord, start: Start | ProcessFit) -> Array:
 
 
 def residual_of(record: ProcessRecord, fit: ProcessFit) -> Array:
-    """What plant, level, slope and initial state leave of y.
+    """What plant, level, slope and initial state leave of y: noise, and a sinusoid.
 
     With A in the noise model, C/(D A) e, poles of A outside the circle reflected: noise of the
     spectrum of what the model leaves.
@@ -455,8 +484,7 @@ def residual_of(record: ProcessRecord, fit: ProcessFit) -> Array:
         size = float(np.prod(np.maximum(np.abs(np.roots(fit.A)), 1.0)))
         D = fit.noise.whitener
         return np.asarray(lfilter(fit.noise.C, np.convolve(D, stable), fit.e) / size)
-    errors = _Errors(record, start_of(fit), None)
-    noise = fit.noise
-    point = errors.at(np.concatenate([fit.A[1:], fit.B, noise.C[1:], noise.D[1:]]))
-    v = disturbance(record, fit) if point is None else _unweighted(point)
+    start = start_of(fit)
+    point = _Errors(record, start, None).at(start.coefficients)
+    v = disturbance(record, fit) if point is None else _unweighted(point, waves=False)
     return np.asarray(v - v.mean())

@@ -10,7 +10,13 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.identification._box_jenkins import DEPENDENT, DIFFERENCE, ONE, later
+from rcac_numeric.identification._box_jenkins import (
+    DEPENDENT,
+    DIFFERENCE,
+    ONE,
+    later,
+    sinusoids,
+)
 from rcac_numeric.identification._process_records import ProcessRecord
 
 RIDGE = 1e-10  # of the mean square of a column
@@ -212,17 +218,18 @@ def regression_start(
 
 def scanned_again(
     record: ProcessRecord, A: Array, noise_C: Array, whitener: Array, *, slope: bool, summed: bool,
-    count: int, delays: int, weights: Array | None = None,
+    count: int, delays: int, weights: Array | None = None, sinusoid: float = 0.0,
 ) -> DelayScan:  # fmt: skip
     """All delays for the poles and the noise of one model."""
     steps = record.steps
     impulse = np.zeros(steps)
     impulse[0] = 1.0
     u = np.cumsum(record.u) if summed else record.u
-    level = np.stack([record.y, np.ones(steps), np.linspace(0, 1, steps)])
+    waves = sinusoids(sinusoid, steps) if sinusoid else ()
+    level = np.stack([record.y, np.ones(steps), np.linspace(0, 1, steps), *waves])
     y, *levels = lfilter(whitener, noise_C, level)
     driven, state = lfilter(whitener, np.convolve(noise_C, A), np.stack([u, impulse]))
-    free = [levels[0], *([levels[1]] if slope or summed else [])]
+    free = [levels[0], *([levels[1]] if slope or summed else []), *levels[2:]]
     free += [later(state, k) for k in range(len(A) - 1)]
     rows = np.stack(free)
     if weights is not None:

@@ -141,7 +141,7 @@ def _inflation(e: Array, omega: Array) -> Array:
 
 def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
     """Whether y is explained worse without u, by BIC."""
-    difference = bic_without_u(search.record, fit) - fit.bic
+    difference = bic_without_u(search.record, fit, fit.sinusoid) - fit.bic
     shift = (
         " y(k) predicts u(k): if u was not computed from y, y of a row is a step late; shift it, "
         "y[1:] with u[:-1]." * search.is_closed
@@ -153,12 +153,15 @@ def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
     )  # fmt: skip
 
 
-def bic_without_u(record: ProcessRecord, fit: AnyFit) -> float:
-    """The least BIC of models of y alone: noise of order 2, and that of the fit with its slope."""
+def bic_without_u(record: ProcessRecord, fit: AnyFit, sinusoid: float = 0.0) -> float:
+    """The least BIC of models of y alone: noise of order 2, and that of the fit.
+
+    The latter with its slope, and a sinusoid of the frequency given.
+    """
     y, values = record.y, []
     starts = [_alone(noise_start(y, orders)) for orders in RICHER.values()]
     starts.append(_alone(noise_start(y - np.linspace(y[0], y[-1], len(y)), RICHER[0]), True))
-    starts.append(_alone(fit.noise, fit.slope or fit.integrates))
+    starts.append(_alone(fit.noise, fit.slope or fit.integrates, sinusoid))
     for start in starts:
         alone = fitted(record, start, is_plant_fixed=True)
         if alone is None:
@@ -181,8 +184,8 @@ def _reweighted(record: ProcessRecord, alone: ProcessFit) -> ProcessFit:
     return alone
 
 
-def _alone(noise: NoiseModel, slope: bool = False) -> Start:
-    return Start(ONE, np.zeros(1), 0, noise, slope=slope)
+def _alone(noise: NoiseModel, slope: bool = False, sinusoid: float = 0.0) -> Start:
+    return Start(ONE, np.zeros(1), 0, noise, slope=slope, sinusoid=sinusoid)
 
 
 def jump_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
@@ -193,7 +196,7 @@ def jump_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
     y, jumps = without_jumps(record.y, fit.e, fit.noise)
     beside = fitted(replace(record, y=y), start_of(fit), iterations=8)
     best = fit.bic if beside is None else min(fit.bic, beside.bic + jumps * jump_penalty(record))
-    return gate_of_jumps(record.moves, bic_of_jumps(record) - best)
+    return gate_of_jumps(record.moves, bic_of_jumps(record, fit.sinusoid) - best)
 
 
 def gate_of_jumps(moves: int, difference: float) -> Gate:
@@ -211,11 +214,12 @@ def jump_penalty(record: ProcessRecord) -> float:
     return 2 * float(np.log(record.steps))
 
 
-def bic_of_jumps(record: ProcessRecord) -> float:
+def bic_of_jumps(record: ProcessRecord, sinusoid: float = 0.0) -> float:
     """The least BIC of y with up to three level jumps and without u."""
     without = np.inf
     for orders in NOISES:
-        alone = fitted(record, _alone(noise_start(record.y, orders)), is_plant_fixed=True)
+        start = _alone(noise_start(record.y, orders), sinusoid=sinusoid)
+        alone = fitted(record, start, is_plant_fixed=True)
         if alone is None:
             continue
         y, jumps = without_jumps(record.y, alone.e, alone.noise)
@@ -270,7 +274,7 @@ def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
     squares = [
         scanned_again(
             one, fit.A, fit.noise.C, fit.noise.whitener, slope=fit.slope, summed=fit.summed,
-            count=count, delays=1, weights=weights,
+            count=count, delays=1, weights=weights, sinusoid=fit.sinusoid,
         ).squares[0, 0]
         for one, count in ((earlier, fit.order + fit.summed + 1), (record, fit.order + fit.summed))
     ]  # fmt: skip
@@ -301,7 +305,7 @@ def credible_delays(search: ProcessSearch, fit: ProcessFit) -> list[tuple[Array,
     scan = scanned_again(
         record, fit.A, fit.noise.C, fit.noise.whitener, slope=fit.slope, summed=fit.summed,
         count=len(fit.B), delays=search.delays,
-        weights=record.weights(fit.e) if fit.heavy else None,
+        weights=record.weights(fit.e) if fit.heavy else None, sinusoid=fit.sinusoid,
     )  # fmt: skip
     squares = scan.squares[0]
     base = squares[fit.delay] if fit.delay < len(squares) else squares.min()

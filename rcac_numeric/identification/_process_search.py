@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.identification._box_jenkins import (
@@ -18,6 +19,7 @@ from rcac_numeric.identification._box_jenkins import (
     fitted,
     later,
     noise_start,
+    sinusoids,
     start_of,
     weighted_fit,
     with_noise,
@@ -29,7 +31,7 @@ from rcac_numeric.identification._delay_scan import (
     unstable_starts,
 )
 from rcac_numeric.identification._prediction_error import answers
-from rcac_numeric.identification._process_records import ProcessRecord
+from rcac_numeric.identification._process_records import JUMP, ROBUST, ProcessRecord
 from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 
 ODDS = 2 * float(np.log(1e4))  # -2 log of the odds of one in ten thousand
@@ -44,8 +46,12 @@ PEAK = 20.0  # of the median of the periodogram: a sinusoid
 RING, NOTCH = 0.9995, 0.9  # moduli of the roots of D and C of a sinusoid
 CANCELLED, BESIDE = 0.1, 0.95  # distance of a zero from a pole of a larger modulus
 ALIKE = 2e-3  # distance at which a pair all but cancels at 0.02 rad/step and above
+# Frequencies that a record resolves are 2 pi over its steps apart: a pole half of that from the
+# circle, and a zero within it, are a part of the disturbance as far as the record can tell.
+RESOLVED = 2 * float(np.pi)
 REFITTED = 8  # models that are fitted again by Student's likelihood
 MANY = 8  # values of u: fewer are no answer to y
+MOST_JUMPS = 0.02  # of the steps
 WORSE = 60.0  # of BIC: what is not continued
 
 
@@ -96,8 +102,12 @@ class ProcessSearch:
         self._richer()
         self._sinusoids()
         if self.is_closed or (has_many_values(record) and record.steps >= 100):
-            self._armax()
+            self._armax(record)
+            y = _without_jumps(record)
+            if y is not None:
+                self._armax_of_clipped(replace(record, y=y))
         self._cancelled()
+        self._undamped()
         self._robust()
         self._rank()
         self._without_cancelled()
@@ -110,13 +120,17 @@ class ProcessSearch:
     def credible(self, fit: ProcessFit) -> bool:
         """Whether the odds against a model are below one to ten thousand.
 
-        An unstable one, of more parameters by its kind, is compared by AIC.
+        An unstable one, of more parameters by its kind, is compared by AIC; with a stable one by
+        the errors of the output.
         """
         best = self.fits[0]
         if fit.bic <= best.bic + ODDS:
             return True
+        if not fit.armax:
+            return False
         by = float(np.log(self.record.steps)) - 2
-        return fit.armax and fit.bic - by * fit.parameters < best.bic - by * best.parameters + ODDS
+        least = fit.bic - by * fit.parameters - (0.0 if best.armax else _reflection(fit))
+        return least < best.bic - by * best.parameters + ODDS
 
     @property
     def distinct(self) -> list[ProcessFit]:
@@ -140,8 +154,9 @@ class ProcessSearch:
     def fit(self, start: Start, iterations: int = 25) -> ProcessFit | None:
         """A fit, which is kept."""
         fit = fitted(self.record, start, iterations=iterations)
-        if fit is None:
-            return None
+        return None if fit is None else self._keep(fit)
+
+    def _keep(self, fit: ProcessFit) -> ProcessFit | None:
         cost = float(self.costs[fit.delay]) if fit.delay < self.delays else ODDS
         if not np.isfinite(cost):
             return None
@@ -211,6 +226,14 @@ class ProcessSearch:
         del self.fits[first:]
         for one in best:
             self.fit(start_of(one), 10)
+        for one in best[:2]:
+            self._weighted(start_of(one))
+
+    def _weighted(self, start: Start) -> None:
+        """A fit by Student's likelihood from the start: jumps draw least squares away from it."""
+        at_start = fitted(self.record, start, iterations=0)
+        if at_start is not None and at_start.heavy:
+            self._keep(weighted_fit(self.record, at_start))
 
     def _moved(self, fit: ProcessFit) -> ProcessFit:
         """The fit at the best delay for its poles and noise, if that is another one."""
@@ -218,7 +241,7 @@ class ProcessSearch:
             return fit
         scan = scanned_again(
             self.record, fit.A, fit.noise.C, fit.noise.whitener, slope=fit.slope,
-            summed=fit.summed, count=len(fit.B), delays=self.delays,
+            summed=fit.summed, count=len(fit.B), delays=self.delays, sinusoid=fit.sinusoid,
         )  # fmt: skip
         value = self.record.steps * np.log(scan.squares[0]) + self.costs
         delay = int(value.argmin())
@@ -331,19 +354,44 @@ class ProcessSearch:
             z = np.exp(2j * np.pi * at / steps)
             D = np.real(np.poly([RING * z, RING / z]))
             C = np.real(np.poly([NOTCH * z, NOTCH / z]))
-            pairs = ((C, D), (np.convolve(C, [1, -0.3]), np.convolve(D, [1, -0.2])))
-            for C, D in pairs:
-                fit = self.fit(with_noise(start_of(one), NoiseModel(C, D, 0)))
-                if fit is not None:
-                    self._moved(fit)
+            fit = self.fit(with_noise(start_of(one), NoiseModel(C, D, 0)))
+            if fit is not None:
+                self._moved(fit)
+            self._with_sinusoid(start_of(one), 2 * np.pi * at / steps)
 
-    def _armax(self) -> None:
+    def _with_sinusoid(self, start: Start, omega: float) -> None:
+        """Fits with a sinusoid near a frequency beside the level."""
+        first = len(self.fits)
+        v = disturbance(self.record, start)
+        omega, v = _without_sinusoid(v, omega)
+        start = replace(start, sinusoid=omega)
+        for orders in NOISES:
+            self.fit(with_noise(start, noise_start(v, orders)), SHORT)
+        short = sorted(self.fits[first:], key=_bic)
+        del self.fits[first:]
+        for one in short[:1]:
+            fit = self.fit(start_of(one))
+            if fit is not None:
+                self._moved(fit)
+
+    def _armax_of_clipped(self, record: ProcessRecord) -> None:
+        """The same on y without its jumps; the results begin a fit by Student's likelihood."""
+        target, first = self.record, len(self.fits)
+        self.record = record
+        self._armax(record, np.inf)
+        self.record = target
+        best = sorted(self.fits[first:], key=_bic)[:3]
+        del self.fits[first:]
+        for one in best:
+            self._weighted(start_of(one))
+
+    def _armax(self, record: ProcessRecord, worse: float = WORSE) -> None:
         """Models whose poles may be anywhere; only those with one outside the circle are kept."""
         bj = self._best(1)
         first = len(self.fits)
         starts: list[tuple[float, Start]] = []
         for differences in (0, 1):
-            y, u = _differenced(self.record, differences)
+            y, u = _differenced(record, differences)
             both = _joint_innovations(y, u)
             for n in range(1, MOST_ORDER + 1):
                 past = [later(both, k) for k in range(1, n + 1)]
@@ -357,20 +405,20 @@ class ProcessSearch:
         regressions = [start for _, start in starts[:4]]
         scanned = [
             Start(one.A, one.B, one.delay, NoiseModel(confined(one.A, 1.0), ONE, i), armax=True)
-            for one, i in unstable_starts(self.record, self.costs)
+            for one, i in unstable_starts(record, self.costs)
         ]
         for start in scanned + regressions:
             n, differences = len(start.A) - 1, start.noise.differences
             self.fit(start, SHORT)
-            v = disturbance(self.record, start)
+            v = disturbance(record, start)
             for orders in ((n, 1, 0), (n + 1, 0, 1)):
                 if orders[2] == differences:
                     self.fit(with_noise(start, noise_start(v, orders)), SHORT)
         short = sorted(self.fits[first:], key=_bic)
         del self.fits[first:]
-        limit = bj[0].bic + WORSE if bj else np.inf
+        limit = bj[0].bic + worse if bj else np.inf
         for one in [one for one in short if np.abs(one.poles).max(initial=0) > 0.995][:4]:
-            if one.bic < limit:
+            if one.bic - _reflection(one) < limit:
                 self.fit(start_of(one))
         for one in sorted(self.fits[first:], key=_bic)[:1]:
             start = start_of(one)
@@ -396,7 +444,7 @@ class ProcessSearch:
         """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
         self._rank()
         for one in list(self.fits[:4]):
-            for poles, zeros in _pairs(one):
+            for poles, zeros in _pairs(np.roots(one.A), np.roots(one.B)):
                 rest = np.delete(np.roots(one.A), poles)
                 moved = np.roots(one.A)[poles]
                 A = np.atleast_1d(np.real(np.poly(rest)))
@@ -411,6 +459,43 @@ class ProcessSearch:
                 if fit is not None:
                     self._moved(fit)
 
+    def _undamped(self) -> None:
+        """A sinusoid of the disturbance in place of a pair of poles on the circle.
+
+        The record is searched anew, behind a notch, for a plant without that pair.
+        """
+        self._rank()
+        resolved = RESOLVED / self.record.steps
+        frequencies: list[float] = []
+        for one in self.fits[:3]:
+            poles = one.poles[(np.abs(one.poles) > 1 - resolved / 2) & (one.poles.imag > resolved)]
+            for omega in np.angle(poles):
+                if not one.armax and all(abs(omega - other) > resolved for other in frequencies):
+                    frequencies.append(float(omega))
+        for omega in frequencies[:2]:
+            self._behind_notch(omega)
+
+    def _behind_notch(self, omega: float) -> None:
+        """Models with a sinusoid of the level, from the global start behind a notch."""
+        record, first = self.record, len(self.fits)
+        z = np.exp(1j * omega)
+        notch = np.real(np.poly([z, 1 / z])), np.real(np.poly([NOTCH * z, NOTCH / z]))
+        for u, summed in ((record.u, False), (np.cumsum(record.u), True)):
+            for pair in pole_starts(record, *lfilter(*notch, np.stack([record.y, u])), self.costs):
+                for one in pair:
+                    B = np.concatenate([one.B, np.zeros(len(one.A))])[: len(one.A) - 1 + summed]
+                    none = NoiseModel(ONE, ONE, 0)
+                    start = Start(one.A, B, one.delay, none, summed, sinusoid=omega)
+                    v = _without_sinusoid(disturbance(record, start), omega)[1]
+                    for orders in NOISES:
+                        self.fit(with_noise(start, noise_start(v, orders)), SHORT)
+        short = sorted(self.fits[first:], key=_bic)
+        del self.fits[first:]
+        for one in short[:3]:
+            fit = self.fit(start_of(one))
+            if fit is not None:
+                self._moved(fit)
+
     def _without_cancelled(self) -> None:
         """Leave out models with a pair that all but cancels, where one without it is credible.
 
@@ -421,9 +506,11 @@ class ProcessSearch:
             return
         credible = [one for one in self.fits if one.bic <= self.fits[0].bic + ODDS]
         hidden = {id(one) for one in credible if has_hidden_pair(one)}
-        least = min((one.order for one in credible if id(one) not in hidden), default=MOST_ORDER)
-        if hidden:
-            self.fits = [one for one in self.fits if id(one) not in hidden or one.order <= least]
+        least = min((len(one.poles) for one in credible if id(one) not in hidden), default=None)
+        if hidden and least is not None:
+            self.fits = [
+                one for one in self.fits if id(one) not in hidden or len(one.poles) < least
+            ]  # fmt: skip
 
     def _robust(self) -> None:
         """The best by Student's likelihood, where its tails are heavy."""
@@ -443,11 +530,57 @@ class ProcessSearch:
                 self.fits.append(replace(fit, bic=fit.bic + cost))
 
 
+def _without_sinusoid(v: Array, omega: float) -> tuple[float, Array]:
+    """The frequency near one whose sinusoid explains most of v, and v less it, level and slope."""
+    steps = len(v)
+    best = np.inf, omega, v
+    for near in omega + np.linspace(-1, 1, 9) * np.pi / steps:
+        if not near > 0:
+            continue
+        waves = np.stack([np.ones(steps), np.linspace(-1, 1, steps), *sinusoids(near, steps)])
+        rest = v - np.linalg.lstsq(waves.T, v, rcond=None)[0] @ waves
+        best = min(best, (float(rest @ rest), near, rest), key=lambda one: one[0])
+    return float(best[1]), best[2]
+
+
 def _differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]:
     if not differences:
         return record.y, record.u
     y, u = record.y, record.u
     return np.diff(y, prepend=y[0]), np.diff(u, prepend=u[0])
+
+
+def _without_jumps(record: ProcessRecord) -> Array | None:
+    """Y without the level jumps in the innovations of its differences; None if there is none.
+
+    A long regression on past y and u, with Student's weights: what u does is no jump.
+    """
+    y, u = _differenced(record, 1)
+    steps = len(y)
+    p = min(20, steps // 20)
+    X = np.stack([*(later(y, k) for k in range(1, p + 1)), *(later(u, k) for k in range(1, p + 1))])
+    weights = np.ones(steps)
+    e = y
+    for _ in range(8):
+        scaled = X * weights
+        H = scaled @ scaled.T
+        H[np.diag_indices_from(H)] *= 1 + 1e-9
+        a = np.linalg.solve(H + 1e-300 * np.eye(2 * p), scaled @ (weights * y))
+        e = y - a @ X
+        weights = record.weights(e)
+    size = JUMP * (ROBUST * float(np.median(np.abs(e))) + 1e-12)
+    if not (np.abs(e) > size).any():
+        return None
+    response = np.concatenate([ONE, -a[:p]])  # of e to a jump
+    jumps = np.zeros(steps)
+    for _ in range(int(MOST_JUMPS * steps)):
+        late = np.nonzero(np.abs(e) > size)[0]
+        if not len(late):
+            break
+        k = int(late[0])
+        jumps[k] += e[k]
+        e[k : k + p + 1] -= e[k] * response[: steps - k]
+    return np.asarray(record.y - np.cumsum(jumps))
 
 
 def _joint_innovations(y: Array, u: Array) -> Array:
@@ -469,7 +602,18 @@ def _bic(fit: ProcessFit) -> float:
 
 def has_hidden_pair(fit: ProcessFit) -> bool:
     """Whether a pole near the circle and a zero all but cancel: a hidden mode of every loop."""
-    return bool(_pairs(fit, ALIKE))
+    poles, zeros, resolved = fit.poles, np.roots(fit.B), RESOLVED / len(fit.e)
+    return bool(_pairs(poles, zeros, ALIKE) or _pairs(poles, zeros, resolved, 1 - resolved / 2))
+
+
+def _reflection(fit: ProcessFit) -> float:
+    """2 N log of the product of the moduli of the poles outside the circle.
+
+    Where the noise is of the output, predictors of an unstable plant have errors larger than it by
+    that product: A v = A* e with A* the reflected A (Forssell and Ljung).
+    """
+    size = np.abs(fit.poles)
+    return 2 * len(fit.e) * float(np.log(size[size > 1]).sum())
 
 
 def _has_unstable_part(fit: ProcessFit) -> bool:
@@ -489,12 +633,13 @@ def _slowest(fit: ProcessFit) -> float:
     return float(real.max(initial=-1.0))
 
 
-def _pairs(fit: ProcessFit, distance: float = CANCELLED) -> list[tuple[list[int], list[int]]]:
+def _pairs(
+    poles: Array, zeros: Array, distance: float = CANCELLED, beside: float = BESIDE
+) -> list[tuple[list[int], list[int]]]:
     """Indices of poles near the circle, real or a pair, and of the zeros beside them."""
-    poles, zeros = np.roots(fit.A), np.roots(fit.B)
     pairs = []
     for i, pole in enumerate(poles):
-        if abs(pole) < BESIDE or pole.imag < -1e-9 or not len(zeros):
+        if abs(pole) < beside or pole.imag < -1e-9 or not len(zeros):
             continue
         near = np.argsort(np.abs(zeros - pole))
         if abs(zeros[near[0]] - pole) > distance:
