@@ -346,7 +346,10 @@ def oracle_is_ok(log):
 def row_of(seed):
     """What became of one log."""
     log = random_log(seed)
-    row = {"seed": seed, "log": str(log), "family": log.family, "disturbance": log.disturbance}
+    row = {
+        "seed": seed, "log": str(log), "family": log.family, "disturbance": log.disturbance,
+        "excitation": log.excitation,
+    }  # fmt: skip
     row["oracle"], row["oracle error"] = oracle_is_ok(log)
     options = _DesignOptions("unknown", None, None, None, None, None, False)
     given = ControllerLog(log.u, log.y) if log.r is None else ControllerLog(log.u, log.y, r=log.r)
@@ -354,7 +357,8 @@ def row_of(seed):
     try:
         basis = _basis_of_log(given, None, 0.0, options)
     except CompensatorError as error:
-        return row | {"time": time.process_time() - start, "refused": str(error)}
+        refusal = {"refused": str(error), "kind": type(error).__name__}
+        return row | {"time": time.process_time() - start} | refusal
     row["time"] = time.process_time() - start
     plant, G_c = basis.logged.plant, basis.reference.compensator
     sign, error = agreement(log, lambda omega: plant.response(omega)[:, 0, 0])
@@ -405,8 +409,10 @@ def print_table(rows):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seeds", default="0:300", help="A:B, from A to B - 1")
-    parser.add_argument("--rows", type=Path, help="write a line of JSON for each seed")
+    parser.add_argument("--seeds", default="50000:50300", help="A:B, from A to B - 1")
+    parser.add_argument(
+        "--rows", type=Path, help="write a line of JSON for each seed; seeds in FILE are not run"
+    )
     parser.add_argument("--all", action="store_true", help="print every log")
     parser.add_argument("--speed", action="store_true", help="time identify_process alone")
     options = parser.parse_args()
@@ -417,7 +423,12 @@ def main():
               f"{np.quantile(times, 0.9):.2f}, most {max(times):.2f}")  # fmt: skip
         return
     rows = []
+    if options.rows and options.rows.exists():
+        rows = [json.loads(line) for line in options.rows.read_text().splitlines()]
+    finished = {row["seed"] for row in rows}
     for seed in range(first, last):
+        if seed in finished:
+            continue
         row = row_of(seed)
         rows.append(row)
         if options.rows:

@@ -623,6 +623,7 @@ def _basis_of_log(
     search = LogSearch(log, sample_time, dead_time)
     first: tuple[Gate, ...] = ()
     obstacle: NoSolutionError | InputError | None = None
+    is_first = False  # the obstacle is that of the best model
     for count, fit in enumerate(search.candidates()):
         if first and count >= TRIED:
             break  # lower orders are tried where there was no controller
@@ -635,6 +636,7 @@ def _basis_of_log(
             require_short(logged.plant)
             basis = _basis_of(logged.plant, logged.uncertainty, around, logged)
         except (NoSolutionError, BudgetError) as error:
+            is_first = is_first or not count
             why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
             obstacle = obstacle or type(error)(f"{why}{error}")
             continue
@@ -643,7 +645,7 @@ def _basis_of_log(
             reason = "" if obstacle is None else str(obstacle)
             return replace(basis, logged=judged, obstacle=reason)
         first = first or judged.model.gates
-    if obstacle is not None and not first:
+    if obstacle is not None and (is_first or not first):
         raise obstacle
     raise search.undecided(first)
 
@@ -967,7 +969,7 @@ def reasons_of(
     models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids]
     model_order = model.servo().n + 2 * model.m * len(models)
     models += {0: [], 1: ["an integrator"]}.get(
-        (reference.lqg.plant.n - model_order) // model.m, ["two integrators"]
+        (reference.problem.n - model_order) // model.m, ["two integrators"]
     )
     parts = " and ".join(models)
     robust = (

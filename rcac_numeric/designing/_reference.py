@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -62,8 +63,10 @@ class Reference(Value):
 
     Attributes
     ----------
-    lqg : LQG
-        In units in which the disturbance and its effect on y are 1.
+    problem : Plant
+        Of the LQG controller, in units in which the disturbance and its effect on y are 1.
+    noise : mapping
+        The intensities of its noise.
     compensator : Compensator
         In the units of the plant: from e to u, or from [e; r].
     peak : float
@@ -78,7 +81,8 @@ class Reference(Value):
         The LQG controller that it was reduced from.
     """
 
-    lqg: LQG
+    problem: Plant
+    noise: Mapping[str, float]
     compensator: Compensator
     peak: float
     R_2: float
@@ -91,7 +95,18 @@ class Reference(Value):
     @property
     def commands(self) -> int:
         """The number of commands that the compensator reads."""
-        return self.compensator.l_y - self.lqg.plant.l_y
+        return self.compensator.l_y - self.problem.l_y
+
+    @cached_property
+    def lqg(self) -> LQG:
+        """The LQG controller with its cost, in the units of `problem`.
+
+        Raises
+        ------
+        IllConditionedError
+            Where rounding decides the cost of its loop with the disturbance models.
+        """
+        return lqg_controller(self.problem, noise=self.noise)
 
     @property
     def fixed(self) -> FixedController:
@@ -265,21 +280,18 @@ class WeightGrid:
             evaluations = self._by_runs(evaluations, candidates)
         for evaluation, R_2, V_2 in evaluations:
             try:
-                noise = {**self.noise, "v": V * V_2}
-                best = lqg_controller(_weighted(self.scaled, R_2, self.models), noise=noise)
-                several = plant.m > 1
-                G_c = converted(best.state_space, CLOSE)[0] if several else best.compensator
+                parts = candidates[R_2, V_2]
+                G_c = converted(parts, CLOSE)[0] if plant.m > 1 else converted(parts)[0]
+                compensator = self.in_units(G_c)
+                peak = sensitivity_peak(ClosedLoop(plant.servo(), compensator))
             except CompensatorError as error:
                 obstacle = error
                 continue
-            compensator = self.in_units(G_c)
-            if plant.m > 1 and not (
-                sensitivity_peak(ClosedLoop(plant.servo(), compensator))
-                <= (1 + CLOSER) * evaluation.peak
-            ):
+            if not peak <= (1 + CLOSER) * evaluation.peak:
                 obstacle = NoSolutionError("rounded, the controller loses its robustness.")
                 continue
-            return Reference(best, compensator, evaluation.peak, R_2, V_2, units)
+            problem, noise = _weighted(self.scaled, R_2, self.models), {**self.noise, "v": V * V_2}
+            return Reference(problem, noise, compensator, evaluation.peak, R_2, V_2, units)
         _require_no_hidden_mode(plant)
         order = self.scaled.n + len(self.models) * plant.m
         rounded = f": those of order {order} that do so need more digits" * bool(obstacle)

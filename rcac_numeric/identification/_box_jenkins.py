@@ -16,7 +16,8 @@ EMPTY = np.zeros((0, 0))  # where a column depends on the others
 DIFFERENCE = np.array([1.0, -1.0])
 ONE = np.ones(1)
 ITERATIONS = 25
-DECREASE = 2e-3  # of N log(sum of squares): below it an iteration has settled
+DECREASE = 1e-2  # of N log(sum of squares): below it an iteration has settled
+SETTLED = 0.1  # of DECREASE: a predicted decrease below it is not tried
 DEPENDENT = 1e-9  # of a column's norm: the rest of it is rounding
 WIDTHS = 6  # damping factors that are tried in an iteration
 
@@ -171,11 +172,7 @@ def confined(A: Array, radius: float) -> Array:
     n = len(A) - 1
     if n == 0 or (n == 1 and abs(A[1]) <= radius):
         return A
-    if n == 2:  # Schur and Cohn
-        a, b = A[1] / radius, A[2] / radius**2
-        if abs(b) <= 1 and abs(a) <= 1 + b:
-            return A
-    if not np.isfinite(A).all():
+    if not np.isfinite(A).all() or _is_within(A, radius):
         return A
     roots = np.roots(A)
     size = np.abs(roots)
@@ -187,6 +184,18 @@ def confined(A: Array, radius: float) -> Array:
         np.where(size > radius, roots / size * radius, roots),
     )  # fmt: skip
     return np.concatenate([ONE, np.real(np.poly(roots))[1:]])
+
+
+def _is_within(A: Array, radius: float) -> bool:
+    """Whether all roots are inside a circle: the reflection coefficients of Schur and Cohn."""
+    a = [float(one) / radius**k for k, one in enumerate(A)]
+    for n in range(len(a) - 1, 0, -1):
+        last = a[n]
+        if not abs(last) < 1:
+            return False
+        left = 1 - last * last
+        a = [(a[k] - last * a[n - k]) / left for k in range(n)]
+    return True
 
 
 class _Errors:
@@ -326,7 +335,8 @@ def fitted(
 ) -> ProcessFit | None:  # fmt: skip
     """Minimise the prediction errors from a start by Levenberg and Marquardt; None if it fails.
 
-    Level, slope, sinusoid and initial state are projected out (Golub and Pereyra, with Kaufman's gradient).
+    Level, slope, sinusoid and initial state are projected out (Golub and Pereyra, with Kaufman's
+    gradient).
     """
     errors = _Errors(record, start, weights)
     point = errors.at(errors.confined(start.coefficients))
@@ -346,10 +356,14 @@ def fitted(
         has_settled, better = False, None
         for _ in range(WIDTHS):
             try:
-                step = -np.linalg.solve(H + damping * np.eye(len(H)), slope) / size
+                step = -np.linalg.solve(H + damping * np.eye(len(H)), slope)
             except np.linalg.LinAlgError:
                 damping = 10 * damping
                 continue
+            gain = -(2 * slope + H @ step) @ step  # of the sum of squares, to first order
+            if steps * gain < SETTLED * DECREASE * point.square:
+                break
+            step = step / size
             trial = errors.at(errors.confined(point.theta + step))
             if trial is not None and trial.square < point.square:
                 has_settled = steps * (1 - trial.square / point.square) < DECREASE
