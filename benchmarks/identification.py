@@ -12,35 +12,51 @@ with the true plant is unstable. The oracle knows orders, delay and kind of the 
 coefficients and chooses noise models by BIC; *ok* is: sign right, the loop of this file's LQG with
 the true plant stable, relative error about the crossover below 0.5.
 
-    .venv/bin/python benchmarks/identification.py [--seeds A:B] [--rows FILE] [--all]
+    .venv/bin/python benchmarks/identification.py [--seeds A:B] [--rows FILE] [--all] [--beside]
 
-300 seeds by default. `--rows` writes one line of JSON a seed; `--all` prints every log, not only
-the bad ones and those that are refused where the oracle is ok.
+300 seeds by default. `--rows` writes one line of JSON a seed and does not repeat seeds of the file;
+`--all` prints every log, not only the bad ones and those that are refused where the oracle is ok.
+`--beside` runs other estimators, whose model is judged with this file's LQG: output error and the
+closed loop's (`identify_output_error`, `identify_in_closed_loop`), refined instrumental variables
+with ARIMA(1, 1, 1) noise (P. C. Young), and SIPPY's N4SID, PARSIM-K and ARMAX where `sippy-unipi`
+is installed. None of them has gates; what they cannot do counts as refused.
 """
 
 import argparse
 import contextlib
+import importlib.util
+import io
 import json
 import time
+import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.linalg import matrix_balance, solve_discrete_are
-from scipy.signal import cont2discrete, lfilter
+from scipy.signal import cont2discrete, lfilter, ss2tf
+from scipy.stats import beta
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import ControllerLog
 from rcac_numeric.designing._design import _basis_of_log, _DesignOptions
-from rcac_numeric.identification import identify_process
+from rcac_numeric.identification import (
+    identify_in_closed_loop,
+    identify_output_error,
+    identify_process,
+)
 from rcac_numeric.identification._box_jenkins import (
     Start,
+    confined,
     disturbance,
     fitted,
+    later,
     noise_start,
     weighted_fit,
 )
+from rcac_numeric.identification._delay_scan import regression_start, scanned_again
 from rcac_numeric.identification._process_records import process_record
+from rcac_numeric.identification._process_search import delay_costs
 
 FAMILIES = ("first", "second", "oscillating", "integrating", "unstable", "nonminimum", "lags")
 DISTURBANCES = (
@@ -381,6 +397,106 @@ def identification_time(seed):
     return time.process_time() - start
 
 
+def output_error(log):
+    model = identify_output_error(log.u, log.y, integrators=(0, 1))
+    return TruePlant(model.numerator, model.denominator, model.delay)
+
+
+def closed_loop(log):
+    model = identify_in_closed_loop(log.u, log.y, integrators=(0, 1))
+    return TruePlant(model.numerator, model.denominator, model.delay)
+
+
+def refined_iv(log):
+    """Refined instrumental variables, of the orders 1 to 3 that of the least BIC."""
+    record, best = process_record(log.u, log.y), None
+    steps, costs = record.steps, delay_costs(record)
+    y, u = np.diff(record.y, prepend=0.0), np.diff(record.u, prepend=0.0)
+    for n in (1, 2, 3):
+        past, B, delay, _ = regression_start(y, u, (), n, costs)
+        A = confined(np.append(1.0, past), 0.999)
+        for count in range(12):
+            delayed = later(record.u, delay)
+            x = lfilter(np.append(0.0, B), A, delayed)
+            noise = noise_start(record.y - x, (1, 1, 1))
+            filtered = lfilter(noise.whitener, np.convolve(noise.C, A), [record.y, delayed, x])
+            y_f, u_f, x_f = (np.stack([later(one, k) for k in range(1, n + 1)]) for one in filtered)
+            Z, P = np.concatenate([-x_f, u_f]), np.concatenate([-y_f, u_f])
+            theta = np.linalg.lstsq(Z @ P.T, Z @ filtered[0], rcond=None)[0]
+            A, B = confined(np.append(1.0, theta[:n]), 0.9999), theta[n:]
+            if count == 5:
+                scan = scanned_again(
+                    record, A, noise.C, noise.whitener, slope=False, summed=False, count=n,
+                    delays=len(costs),
+                )  # fmt: skip
+                delay = int((steps * np.log(scan.squares[0]) + costs).argmin())
+                B = scan.numerators[0, delay]
+        x = lfilter(np.append(0.0, B), A, later(record.u, delay))
+        e = lfilter(noise.whitener, noise.C, record.y - x)[3:]
+        bic = steps * np.log(np.mean(e**2)) + 2 * n * np.log(steps)
+        if np.isfinite(bic) and (best is None or bic < best[0]):
+            best = bic, B * record.units[1] / record.units[0], A, delay
+    return TruePlant(*best[1:])
+
+
+def sippy(method):
+    """An estimator of SIPPY."""
+    from sippy_unipi import system_identification
+
+    def estimator(log):
+        y, u = log.y - log.y.mean(), log.u - log.u.mean()
+        unit_y, unit_u = y.std(), u.std()
+        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            if method == "ARMAX":
+                model = system_identification(
+                    y / unit_y, u / unit_u, method, IC="BIC", na_ord=[1, 3], nb_ord=[1, 3],
+                    nc_ord=[1, 2], delays=[0, 11], max_iterations=100,
+                )  # fmt: skip
+                B, A = np.ravel(model.G.num[0][0]), np.ravel(model.G.den[0][0])
+            else:
+                past = 20 if len(u) > 300 else 12
+                model = system_identification(
+                    y / unit_y, u / unit_u, method, IC="AIC", SS_orders=[1, 8], SS_f=past
+                )
+                B, A = ss2tf(model.A, model.B, model.C, model.D)
+        B = np.concatenate([np.zeros(max(len(A) - np.size(B), 0)), np.ravel(B)])
+        return TruePlant(B[1:] * unit_y / unit_u, A / A[0], 0)
+
+    return estimator
+
+
+def beside(seeds):
+    """Print how other estimators do on the logs."""
+    methods = {"output error": output_error, "closed loop": closed_loop, "refined IV": refined_iv}
+    if importlib.util.find_spec("sippy_unipi"):
+        methods |= {f"SIPPY {name}": sippy(name) for name in ("N4SID", "PARSIM-K", "ARMAX")}
+    results = {name: [] for name in methods}
+    for seed in seeds:
+        log = random_log(seed)
+        for name, method in methods.items():
+            start = time.process_time()
+            try:
+                model = method(log)
+                seconds = time.process_time() - start
+                sign, error = agreement(log, model.response)
+                loop = robust(model)
+            except (CompensatorError, ArithmeticError, ValueError, np.linalg.LinAlgError,
+                    TypeError, IndexError, AttributeError):  # fmt: skip
+                results[name].append(None)
+                continue
+            is_bad = not sign or loop is None or not radius(log.plant, loop[0]) < 1
+            results[name].append((sign, error, is_bad, seconds))
+    print("method        logs refused wrong sign  bad   error median/90 %  CPU s")
+    for name, rows in results.items():
+        kept = [row for row in rows if row is not None]
+        errors = [row[1] for row in kept] or [np.nan]
+        print(f"{name:15}{len(rows):4}{len(rows) - len(kept):8}{sum(not row[0] for row in kept):10}"
+              f"{sum(row[2] for row in kept):6}   {np.median(errors):8.3f} "
+              f"{np.quantile(errors, 0.9):8.2f}"
+              f"{np.median([row[3] for row in kept] or [np.nan]):9.2f}")  # fmt: skip
+
+
 def print_table(rows):
     out = [row for row in rows if "refused" not in row]
     refused = [row for row in rows if "refused" in row]
@@ -398,13 +514,18 @@ def print_table(rows):
           f"{np.mean([abs(row['delay']) <= 1 for row in out] or [np.nan]):.2f}")  # fmt: skip
     print(f"CPU s a log with its controllers: median {np.median(times):.2f}, 90 % "
           f"{np.quantile(times, 0.9):.2f}")  # fmt: skip
-    for key in ("family", "disturbance"):
-        print(key, end=": ")
+    bad = sum(row["bad"] for row in out)
+    if out:
+        most = beta.ppf(0.95, bad + 1, len(out) - bad) if bad < len(out) else 1.0
+        print(f"bad among those handed out: below {100 * most:.2f} % with 95 % (Clopper-Pearson)")
+    for key in ("family", "disturbance", "excitation"):
+        print(f"{key:12} logs  handed out  bad  refused  though oracle ok")
         for name in sorted({row[key] for row in rows}):
             of_name = [row for row in rows if row[key] == name]
-            gone = sum("refused" in row for row in of_name)
-            print(f"{name} {gone}/{len(of_name)}", end=" refused; " if gone else "; ")
-        print()
+            gone = [row for row in of_name if "refused" in row]
+            print(f"  {name:10}{len(of_name):5}{len(of_name) - len(gone):12}"
+                  f"{sum(row.get('bad', False) for row in of_name):5}{len(gone):9}"
+                  f"{sum(row['oracle'] for row in gone):18}")  # fmt: skip
 
 
 def main():
@@ -415,6 +536,7 @@ def main():
     )
     parser.add_argument("--all", action="store_true", help="print every log")
     parser.add_argument("--speed", action="store_true", help="time identify_process alone")
+    parser.add_argument("--beside", action="store_true", help="run other estimators, too")
     options = parser.parse_args()
     first, last = map(int, options.seeds.split(":"))
     if options.speed:
@@ -440,6 +562,8 @@ def main():
                 f"{row['radius']:.4f}, error {row['error']:.3g}, {row['model']}"  # fmt: skip
             print(f"{seed} {row['log']}: {words[:300]}", flush=True)
     print_table(rows)
+    if options.beside:
+        beside(range(first, last))
 
 
 if __name__ == "__main__":

@@ -52,6 +52,7 @@ RESOLVED = 2 * float(np.pi)
 REFITTED = 8  # models that are fitted again by Student's likelihood
 MANY = 8  # values of u: fewer are no answer to y
 MOST_JUMPS = 0.02  # of the steps
+DRIFTING = 0.95  # root of C beside the difference of a noise that hardly drifts
 WORSE = 60.0  # of BIC: what is not continued
 
 
@@ -230,10 +231,18 @@ class ProcessSearch:
             self._weighted(start_of(one))
 
     def _weighted(self, start: Start) -> None:
-        """A fit by Student's likelihood from the start: jumps draw least squares away from it."""
-        at_start = fitted(self.record, start, iterations=0)
-        if at_start is not None and at_start.heavy:
-            self._keep(weighted_fit(self.record, at_start))
+        """A fit by Student's likelihood from the start: jumps draw least squares away from it.
+
+        Of a noise that drifts a jump is one error; of one that returns, all that follow.
+        """
+        starts, noise = [start], start.noise
+        if not noise.differences:
+            drifting = NoiseModel(np.convolve(noise.C, [1, -DRIFTING]), noise.D, 1)
+            starts.append(with_noise(start, drifting))
+        for one in starts:
+            at_start = fitted(self.record, one, iterations=0)
+            if at_start is not None and at_start.heavy:
+                self._keep(weighted_fit(self.record, at_start))
 
     def _moved(self, fit: ProcessFit) -> ProcessFit:
         """The fit at the best delay for its poles and noise, if that is another one."""
@@ -551,9 +560,10 @@ def _differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]
 
 
 def _without_jumps(record: ProcessRecord) -> Array | None:
-    """Y without the level jumps in the innovations of its differences; None if there is none.
+    """Y without the level jumps in the innovations of its differences.
 
-    A long regression on past y and u, with Student's weights: what u does is no jump.
+    A long regression on past y and u, with Student's weights: what u does is no jump. None if there
+    are no jumps, or more than accidents.
     """
     y, u = _differenced(record, 1)
     steps = len(y)
@@ -569,18 +579,17 @@ def _without_jumps(record: ProcessRecord) -> Array | None:
         e = y - a @ X
         weights = record.weights(e)
     size = JUMP * (ROBUST * float(np.median(np.abs(e))) + 1e-12)
-    if not (np.abs(e) > size).any():
-        return None
+    e[:p] = 0.0  # there the past of the record is not known
     response = np.concatenate([ONE, -a[:p]])  # of e to a jump
     jumps = np.zeros(steps)
     for _ in range(int(MOST_JUMPS * steps)):
         late = np.nonzero(np.abs(e) > size)[0]
         if not len(late):
-            break
+            return np.asarray(record.y - np.cumsum(jumps)) if jumps.any() else None
         k = int(late[0])
         jumps[k] += e[k]
         e[k : k + p + 1] -= e[k] * response[: steps - k]
-    return np.asarray(record.y - np.cumsum(jumps))
+    return None
 
 
 def _joint_innovations(y: Array, u: Array) -> Array:

@@ -7,9 +7,14 @@ import pytest
 from scipy.signal import lfilter
 
 import rcac_numeric as rn
-from compensator_theory.errors import InputError, NoSolutionError, UndecidedError
+from compensator_theory.errors import (
+    BudgetError,
+    InputError,
+    NoSolutionError,
+    UndecidedError,
+)
 from rcac_numeric.arrays._values import equal
-from rcac_numeric.designing._logs import PARTS, plant_from_log
+from rcac_numeric.designing._logs import PARTS, LogSearch, plant_from_log
 from rcac_numeric.designing._plants import read_plant
 from rcac_numeric.designing._reference import WeightGrid, sensitivity_peak
 
@@ -114,6 +119,38 @@ def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
     assert replace(found.logged, model=slow).integrates
     assert not replace(found.logged, model=replace(slow, covariance=1e-10 * np.eye(3))).integrates
     assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
+
+
+@pytest.mark.costly
+def test_the_fixed_controller_is_that_of_the_lqg_problem(found):
+    """Which is computed when it is read, with its cost; u of the units over y of the units."""
+    reference = found.reference
+    compensator = reference.lqg.compensator
+    unit_u, unit_y = reference.units
+    np.testing.assert_allclose(reference.compensator.past_u, compensator.past_u, rtol=1e-9)
+    np.testing.assert_allclose(
+        reference.compensator.past_y, compensator.past_y * unit_u / unit_y, rtol=1e-9
+    )
+    assert reference.lqg.cost_gap < 1e-6
+
+
+@pytest.mark.costly
+def test_the_reason_of_a_log_is_that_of_its_best_model(monkeypatch):
+    """It is too late by a step; of the next order a gate fails."""
+    log = log_of()
+    orders = []
+
+    def first_gates(search, fit):
+        orders.append(fit.order)
+        gates = passed(search, fit)
+        return tuple(replace(gate, passed=len(orders) == 1) for gate in gates)
+
+    passed = LogSearch.first_gates
+    monkeypatch.setattr(LogSearch, "first_gates", first_gates)
+    monkeypatch.setattr("rcac_numeric.designing._logs.LONGEST_DELAY", 0)
+    with pytest.raises(BudgetError, match="dead time of the log"):
+        rn.design(log, **QUICK)
+    assert len(orders) > 1
 
 
 @pytest.mark.costly

@@ -1,8 +1,10 @@
 """Models of process records: right under drift, jumps, walks and spikes, and refused where open."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
@@ -12,6 +14,7 @@ from rcac_numeric.identification._box_jenkins import (
     NoiseModel,
     Start,
     _Errors,
+    _is_within,
     confined,
     fitted,
     start_of,
@@ -20,7 +23,11 @@ from rcac_numeric.identification._delay_scan import delay_scan
 from rcac_numeric.identification._process import search_of
 from rcac_numeric.identification._process_evidence import KNOWN, feedthrough_gate
 from rcac_numeric.identification._process_records import process_record
-from rcac_numeric.identification._process_search import ODDS
+from rcac_numeric.identification._process_search import (
+    ODDS,
+    _without_jumps,
+    has_hidden_pair,
+)
 
 STEPS = 1500
 ROWS = np.arange(STEPS)
@@ -109,17 +116,21 @@ def test_an_unstable_plant_under_a_weak_dither_is_among_the_credible_models():
 
 @given(
     seed=st.integers(0, 999), slope=st.booleans(), armax=st.booleans(), weighted=st.booleans(),
-    differences=st.integers(0, 1),
+    differences=st.integers(0, 1), sinusoid=st.sampled_from([0.0, 0.07]),
 )  # fmt: skip
-def test_the_gradient_is_that_of_the_prediction_errors(seed, slope, armax, weighted, differences):
+def test_the_gradient_is_that_of_the_prediction_errors(
+    seed, slope, armax, weighted, differences, sinusoid
+):
     rng = np.random.default_rng(seed)
     u = rng.standard_normal(200)
     record = process_record(u, lag(u, 0.3, rng))
     noise = NoiseModel(np.array([1, -0.4, 0.1]), np.array([1, -0.6]), differences)
-    start = Start(np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1, noise, False, slope, armax)
+    start = Start(
+        np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1, noise, False, slope, armax, sinusoid
+    )  # fmt: skip
     weights = 1 + 0.5 * np.sin(np.arange(200)) if weighted else None
     errors = _Errors(record, start, weights)
-    theta = np.r_[start.A[1:], start.B, noise.C[1:], noise.D[1:]]
+    theta = start.coefficients
     point, h = errors.at(theta), 1e-6
     J = point.jacobian()
     for k, row in enumerate(J):
@@ -173,6 +184,58 @@ def test_a_minimum_beside_a_cancelled_pair_is_left():
     y = lfilter([0, 1.0], np.poly([0.75, 1e-5]), u)
     model = identify_process(u, y + 1e-6 * rng.standard_normal(400))
     assert error_of(model, 0.75, 1.0) < 1e-4
+
+
+@pytest.mark.costly
+def test_a_sinusoid_does_not_become_the_poles_of_an_integrating_plant():
+    """0.008/((q - 1)(q - 0.8)) under a sinusoid of twice what u does, 500 steps."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        u = np.repeat(rng.choice([-1.0, 1.0], 100), 5)
+        plant = lfilter([0, 0.008, 0.0075], np.poly([1.0, 0.8]), u)
+        size = np.std(plant)
+        wave = 2 * size * np.sin(0.0322 * np.arange(500) + seed)
+        model = identify_process(u, plant + wave + 0.03 * size * rng.standard_normal(500))
+        past = np.exp(-1j * np.linspace(0.02, 0.3, 9))
+        true = (0.008 * past + 0.0075 * past**2) / ((1 - past) * (1 - 0.8 * past))
+        top = np.polyval(model.numerator[::-1], past) * past ** (model.delay + 1)
+        error = np.abs(top / np.polyval(model.denominator[::-1], past) / true - 1)
+        assert error.max() < 0.5
+
+
+def test_level_jumps_of_a_loop_are_those_of_its_innovations():
+    """Two jumps of 100 standard deviations of the noise; the command moves y by as much."""
+    rng = np.random.default_rng(3)
+    u, y, x = np.zeros(800), np.zeros(800), 0.0
+    jumps = np.zeros(800)
+    jumps[300], jumps[500] = 2.0, -1.5
+    level, command = np.cumsum(jumps), np.repeat(rng.uniform(-2, 2, 20), 40)
+    for k in range(800):
+        y[k] = x + level[k] + 0.02 * rng.standard_normal()
+        u[k] = -0.3 * (y[k] - command[k])
+        x = 1.03 * x + 0.5 * u[k]
+    record = process_record(u, y)
+    removed = np.diff(record.y - _without_jumps(record), prepend=0.0) * record.units[1]
+    # A jump is known to a few standard deviations of the innovations, and none is invented.
+    assert np.abs(removed - jumps).max() < 0.2
+
+
+@given(
+    st.lists(st.floats(0, 0.9), min_size=1, max_size=2), st.floats(-1.4, 1.4),
+    st.sampled_from([0.9, 1.0]),
+)  # fmt: skip
+def test_the_roots_inside_a_circle_have_reflection_coefficients_below_1(inner, last, radius):
+    assume(abs(abs(last) - radius) > 1e-3 and abs(max(inner) - radius) > 1e-3)
+    assert _is_within(np.poly([*inner, last]), radius) == (max(*inner, abs(last)) < radius)
+
+
+@pytest.mark.parametrize(("steps", "hidden"), [(200, True), (20000, False)])
+def test_a_pair_that_the_record_does_not_resolve_is_hidden(steps, hidden):
+    """A pole at 1 and a zero at 1.006: 2 pi/200 is 0.03, 2 pi/20000 is 0.0003."""
+    fit = SimpleNamespace(
+        poles=np.array([1.0, 0.94]), B=np.poly([1.006]), e=np.zeros(steps)
+    )  # fmt: skip
+    assert has_hidden_pair(fit) == hidden
 
 
 @pytest.mark.costly
