@@ -35,7 +35,7 @@ FASTEST_POLE = 1e-6  # modulus of a pole below which there is no time constant
 
 @dataclass(frozen=True, eq=False)
 class ProcessModel(ScalarModel, Truth):
-    """y = q^-delay B/A u + level (+ slope) + C/(D (1 - q^-1)^i) e, with its evidence.
+    """y = q^-delay B/A u + level (+ slope, sinusoid) + C/(D (1 - q^-1)^i) e, with its evidence.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class ProcessModel(ScalarModel, Truth):
     is_armax : bool
         Whether A is in the noise model too, as it is for an unstable plant.
     innovation, residual : array, shape (steps,)
-        e, and what plant, level and slope leave of y.
+        e, and what plant, level and slope leave of y: noise, and a sinusoid.
     criterion : float
         BIC: -2 log likelihood, the better of Gauss's and Student's (4 degrees), + parameters log N.
     explained : float
