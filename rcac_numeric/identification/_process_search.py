@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import lfilter
 
-from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.identification._box_jenkins import (
     CIRCLE,
     ONE,
@@ -453,7 +453,7 @@ class ProcessSearch:
         """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
         self._rank()
         for one in list(self.fits[:4]):
-            for poles, zeros in _pairs(np.roots(one.A), np.roots(one.B)):
+            for poles, zeros in _pairs(_roots(one.A), _roots(one.B)):
                 rest = np.delete(np.roots(one.A), poles)
                 moved = np.roots(one.A)[poles]
                 A = np.atleast_1d(np.real(np.poly(rest)))
@@ -469,17 +469,19 @@ class ProcessSearch:
                     self._moved(fit)
 
     def _undamped(self) -> None:
-        """A sinusoid of the disturbance in place of a pair of poles on the circle.
+        """A sinusoid of the disturbance in place of a pair of poles of A or D on the circle.
 
         The record is searched anew, behind a notch, for a plant without that pair.
         """
         self._rank()
         resolved = RESOLVED / self.record.steps
+        known = [one.sinusoid for one in self.fits[:3]]
         frequencies: list[float] = []
         for one in self.fits[:3]:
-            poles = one.poles[(np.abs(one.poles) > 1 - resolved / 2) & (one.poles.imag > resolved)]
+            poles = np.concatenate([one.poles[: 0 if one.armax else None], _roots(one.noise.D)])
+            poles = poles[(np.abs(poles) > 1 - resolved / 2) & (poles.imag > resolved)]
             for omega in np.angle(poles):
-                if not one.armax and all(abs(omega - other) > resolved for other in frequencies):
+                if all(abs(omega - other) > resolved for other in known + frequencies):
                     frequencies.append(float(omega))
         for omega in frequencies[:2]:
             self._behind_notch(omega)
@@ -490,11 +492,12 @@ class ProcessSearch:
         z = np.exp(1j * omega)
         notch = np.real(np.poly([z, 1 / z])), np.real(np.poly([NOTCH * z, NOTCH / z]))
         for u, summed in ((record.u, False), (np.cumsum(record.u), True)):
-            for pair in pole_starts(record, *lfilter(*notch, np.stack([record.y, u])), self.costs):
-                for one in pair:
-                    B = np.concatenate([one.B, np.zeros(len(one.A))])[: len(one.A) - 1 + summed]
+            y_n, u_n = lfilter(*notch, np.stack([record.y, u]))
+            for pair in pole_starts(record, y_n, u_n, self.costs):
+                for scan in pair:
+                    B = np.concatenate([scan.B, np.zeros(len(scan.A))])[: len(scan.A) - 1 + summed]
                     none = NoiseModel(ONE, ONE, 0)
-                    start = Start(one.A, B, one.delay, none, summed, sinusoid=omega)
+                    start = Start(scan.A, B, scan.delay, none, summed, sinusoid=omega)
                     v = _without_sinusoid(disturbance(record, start), omega)[1]
                     for orders in NOISES:
                         self.fit(with_noise(start, noise_start(v, orders)), SHORT)
@@ -611,7 +614,7 @@ def _bic(fit: ProcessFit) -> float:
 
 def has_hidden_pair(fit: ProcessFit) -> bool:
     """Whether a pole near the circle and a zero all but cancel: a hidden mode of every loop."""
-    poles, zeros, resolved = fit.poles, np.roots(fit.B), RESOLVED / len(fit.e)
+    poles, zeros, resolved = fit.poles, _roots(fit.B), RESOLVED / len(fit.e)
     return bool(_pairs(poles, zeros, ALIKE) or _pairs(poles, zeros, resolved, 1 - resolved / 2))
 
 
@@ -642,8 +645,12 @@ def _slowest(fit: ProcessFit) -> float:
     return float(real.max(initial=-1.0))
 
 
+def _roots(A: Array) -> ComplexArray:
+    return np.asarray(np.roots(A), dtype=np.complex128)
+
+
 def _pairs(
-    poles: Array, zeros: Array, distance: float = CANCELLED, beside: float = BESIDE
+    poles: ComplexArray, zeros: ComplexArray, distance: float = CANCELLED, beside: float = BESIDE
 ) -> list[tuple[list[int], list[int]]]:
     """Indices of poles near the circle, real or a pair, and of the zeros beside them."""
     pairs = []
