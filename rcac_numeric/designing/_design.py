@@ -834,6 +834,12 @@ def _questions(
         questions.append((
             "plant", f"the model of the log, {logged.model}", logged.evidence
         ))  # fmt: skip
+        if logged.model.is_direct:
+            questions.append((
+                "plant", "y responds to u of the same row: y is logged after u is applied",
+                "the model has one step of delay more, since a controller computes u from the y "
+                "before it",
+            ))  # fmt: skip
     if basis.truncation:
         questions.append(("plant", *basis.truncation))
     questions += [

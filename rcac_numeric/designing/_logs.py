@@ -30,7 +30,6 @@ from rcac_numeric.identification._process_evidence import (
     Gate,
     bandwidth,
     effect_gate,
-    feedthrough_gate,
     part_fits,
     relative_deviation,
 )
@@ -167,12 +166,14 @@ class LogSearch:
             )  # fmt: skip
         self.log, self.sample_time = log, sample_time
         self.search = search_of(log.u, log.y, round(late / period) or None)
+        if self.search.is_direct:  # the controller reads y of the row before
+            self.log = log = _paired_earlier(log)
         has_command = log.r is not None and bool(np.ptp(log.r) > 0)
         self.is_closed = has_command or self.search.is_closed
         if self.search.is_closed:
             self._require_excitation()
         fit = self.search.fits[0]
-        require_effect(feedthrough_gate(self.search, fit), effect_gate(self.search, fit))
+        require_effect(effect_gate(self.search, fit))
 
     def _require_excitation(self) -> None:
         """Raise an error where u follows from y alone."""
@@ -255,6 +256,12 @@ class LogSearch:
             f"{self.log.source} does not determine the plant well enough for a controller. Failed: "
             f"{words}. {failed[0].advice}"
         )
+
+
+def _paired_earlier(log: ControllerLog) -> ControllerLog:
+    """u(k + 1) with y(k), for a plant with direct feedthrough."""
+    r = None if log.r is None else log.r[1:]
+    return ControllerLog(log.u[1:], log.y[:-1], r=r, source=log.source, sample_time=log.sample_time)
 
 
 def require_short(plant: DesignPlant) -> None:

@@ -196,6 +196,31 @@ def answers(u: ArrayLike, y: ArrayLike) -> bool:
     return information_criterion(beside, PAST_Y, FEEDBACK) < open_loop
 
 
+def leads(u: Array, y: Array) -> bool:
+    """Whether y(k) predicts u(k) because it responds to u(k), in an open loop.
+
+    A controller that reads y(k) has a u(k) that past y predicts beside past u, unless it has no
+    state, white dither and a white disturbance; then u(k) depends on y(k) alone.
+    """
+    steps = len(u)
+    now = _unit(lagged(u[:, None], PAST_U + 1))
+    past = _unit(lagged(y[:, None], PAST_U + 1)[:, : PAST_Y + 1])
+    u_now, past_u, y_now, past_y = now[:, :1], now[:, 1:], past[:, :1], past[:, 1:]
+    if steps < 5 * PAST_U or not np.std(now[:, 0] - _fitted(past_u, u_now[:, 0])) > STIRRED:
+        return False
+    criteria = [
+        information_criterion(u_now[:, 0] - _fitted(columns, u_now[:, 0]), columns.shape[1], 1.0)
+        for columns in (
+            past_u, np.hstack([past_u, past_y]), y_now, np.hstack([y_now, past_u, past_y]),
+        )
+    ]  # fmt: skip
+    return criteria[0] < criteria[1] and criteria[3] < criteria[2]
+
+
+def _fitted(columns: Array, target: Array) -> Array:
+    return np.asarray(columns @ np.linalg.lstsq(columns, target, rcond=None)[0])
+
+
 def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:
     """The residuals of u after its own past, and after past y too."""
     if len(u) != len(y):

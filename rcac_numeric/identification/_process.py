@@ -22,7 +22,6 @@ from rcac_numeric.identification._process_evidence import (
     gain_gate,
     jump_gate,
     parameter_covariance,
-    require_delay,
     sign_gate,
 )
 from rcac_numeric.identification._process_records import process_record
@@ -40,7 +39,7 @@ class ProcessModel(ScalarModel, Truth):
     Attributes
     ----------
     numerator : array, shape (m,)
-        b_1, ..., b_m of B = b_1 q^-1 + ... + b_m q^-m.
+        b_1, ..., b_m of B = b_1 q^-1 + ... + b_m q^-m; with direct feedthrough b_0, ..., b_n.
     denominator : array, shape (n + 1,)
         1, a_1, ..., a_n of A.
     delay : int
@@ -54,7 +53,8 @@ class ProcessModel(ScalarModel, Truth):
     is_armax : bool
         Whether A is in the noise model too, as it is for an unstable plant.
     innovation, residual : array, shape (steps,)
-        e, and what plant, level and slope leave of y: noise, and a sinusoid.
+        e, and what plant, level and slope leave of y: noise, and a sinusoid; without the last step
+        if there is direct feedthrough.
     criterion : float
         BIC: -2 log likelihood, the better of Gauss's and Student's (4 degrees), + parameters log N.
     explained : float
@@ -147,6 +147,7 @@ class ProcessModel(ScalarModel, Truth):
 
     def __str__(self) -> str:
         pole = " with a pole at 1" if self.integrators else ""
+        pole += " and direct feedthrough" if self.is_direct else ""
         low, high = self.gain_interval
         unit = " s" if self.sample_time else " steps"
         h = self.sample_time or 1.0
@@ -164,7 +165,9 @@ def identify_process(
 
     Box-Jenkins models of order 1 to 4 by prediction errors, with noise of order 2 at most that
     drifts or not, one sinusoid and a slope; of an unstable plant ARMAX. No step of the record is
-    dropped: u is 0 before it, and the initial state is fitted. The search begins at every delay up
+    dropped: u is 0 before it, and the initial state is fitted. Direct feedthrough, y(k) responding
+    to u(k), is part of the model where it pays odds of ten thousand and u does not respond to y(k).
+    The search begins at every delay up
     to a sixth of the record (1000 at most), a grid of poles and three noise filters. BIC ranks the
     models, by the better of Gauss's and Student's likelihood, the latter no sharper than the
     rounding of y. What is within odds of one to ten thousand of the best is credible, and gates say
@@ -177,7 +180,7 @@ def identify_process(
     sample_time : float, optional
         In seconds, for dead time and time constants.
     delay : int, optional
-        Known dead time in steps.
+        Known dead time in steps; a record with direct feedthrough is refused then.
 
     Returns
     -------
@@ -218,14 +221,17 @@ def identify_process(
     known = None if delay is None else integer(delay, "delay")
     search = search_of(u, y, known)
     fit = search.fits[0]
-    feedthrough, effect = feedthrough_gate(search, fit), effect_gate(search, fit)
-    require_effect(feedthrough, effect)
+    effect = effect_gate(search, fit)
+    require_effect(effect)
     gates = (effect, *gates_without_controller(search, fit), gain_gate(search, fit))
     return process_model(search, fit, (*gates, sign_gate(search, fit, bandwidth(fit) / 3)), period)
 
 
 def search_of(u: ArrayLike, y: ArrayLike, delay: int | None) -> ProcessSearch:
-    """The models of a record; raise an error where there are none."""
+    """The models of a record; raise an error where there are none.
+
+    Where y(k) responds to u(k), those of y(k) and u(k + 1).
+    """
     record = process_record(u, y)
     if delay is not None and delay > record.steps // 2:
         raise InputError(
@@ -235,13 +241,30 @@ def search_of(u: ArrayLike, y: ArrayLike, delay: int | None) -> ProcessSearch:
         search = ProcessSearch(record, delay)
     if not search.fits:
         raise InputError("no model could be fitted to the record: record longer, or excite u more.")
-    return search
+    feedthrough = feedthrough_gate(search, search.fits[0])
+    if feedthrough is None or feedthrough.passed:
+        return search
+    if delay is not None:
+        raise InputError(
+            f"delay = {delay}, and y(k) responds to u(k): {feedthrough.words}. Leave the delay "
+            "out, or log y before u is applied."
+        )
+    earlier = process_record(np.ravel(u)[1:], np.ravel(y)[:-1])
+    with np.errstate(all="ignore"):
+        direct = ProcessSearch(earlier, is_direct=True)
+    if not direct.fits:
+        return search
+    again = feedthrough_gate(direct, direct.fits[0])
+    if again is not None and not again.passed:
+        raise InputError(
+            "y of a row responds to u of a later row: y was logged two steps or more after its u. "
+            "Pair y[:-2] with u[2:], or log y before u is applied."
+        )
+    return direct
 
 
-def require_effect(feedthrough: Gate | None, effect: Gate) -> None:
-    """Raise an error where y answers to u at once, or not at all."""
-    if feedthrough is not None:
-        require_delay(feedthrough)
+def require_effect(effect: Gate) -> None:
+    """Raise an error where y does not respond to u."""
     if not effect.passed:
         raise UndecidedError(
             f"the record shows no effect of u on y: {effect.words}. {effect.advice}"
@@ -264,13 +287,14 @@ def process_model(
     late = credible_delays(search, fit)
     delays = [steps for _, steps in late]
     rivals = [
-        ScalarModel(gain_unit * one.B, one.denominator, one.delay)
+        ScalarModel(*_coefficients(search, gain_unit * one.B, one.denominator, one.delay))
         for one in search.distinct if one is not fit
     ]  # fmt: skip
     rivals += [
-        ScalarModel(gain_unit * B, fit.denominator, steps)
+        ScalarModel(*_coefficients(search, gain_unit * B, fit.denominator, steps))
         for B, steps in late if steps != fit.delay
     ]  # fmt: skip
+    earlier = int(search.is_direct)
     alike = [fit, *(one for one in search.distinct if one.summed == fit.summed)]
     scale = gain_unit / (period or 1.0) ** fit.summed
     bounds = [_gain_bounds(search, one) for one in alike if one.is_unstable == fit.is_unstable]
@@ -280,13 +304,24 @@ def process_model(
     covariance = parameter_covariance(record, fit) * units * units[:, None]
     y = record.y
     return ProcessModel(
-        gain_unit * fit.B, fit.denominator, fit.delay, (fit.noise.C, fit.noise.D),
+        *_coefficients(search, gain_unit * fit.B, fit.denominator, fit.delay),
+        (fit.noise.C, fit.noise.D),
         fit.noise.differences, int(fit.summed), fit.armax, fit.e * unit_y,
         residual_of(record, fit) * unit_y, fit.bic,
         1 - float(np.mean(fit.e**2)) / float(np.var(y)), covariance,
-        (interval[0], interval[1]), (min(delays), max(delays)), tuple(rivals), gates,
+        (interval[0], interval[1]),
+        (max(min(delays) - earlier, 0), max(max(delays) - earlier, 0)), tuple(rivals), gates,
         record.spikes, period,
     )  # fmt: skip
+
+
+def _coefficients(
+    search: ProcessSearch, B: Array, A: Array, delay: int
+) -> tuple[Array, Array, int]:
+    """B, A and the delay of a model; with direct feedthrough B begins at b_0."""
+    if not search.is_direct:
+        return B, A, delay
+    return (np.pad(B, (0, len(A) - len(B))), A, 0) if delay == 0 else (B, A, delay - 1)
 
 
 def _without_integrators(A: Array, count: int) -> Array:

@@ -27,6 +27,7 @@ from rcac_numeric.identification._box_jenkins import (
     weighted_fit,
 )
 from rcac_numeric.identification._delay_scan import scanned_again
+from rcac_numeric.identification._prediction_error import leads
 from rcac_numeric.identification._process_records import DEGREES, ProcessRecord
 from rcac_numeric.identification._process_search import (
     NOISES,
@@ -143,8 +144,8 @@ def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
     """Whether y is explained worse without u, by BIC."""
     difference = bic_without_u(search.record, fit, fit.sinusoid) - fit.bic
     shift = (
-        " y(k) predicts u(k): if u was not computed from y, y of a row is a step late; shift it, "
-        "y[1:] with u[:-1]." * search.is_closed
+        " y(k) predicts u(k): if u was not computed from y, y of a row was logged after its u; "
+        "pair y[:-1] with u[1:]." * search.is_closed
     )
     return Gate(
         "effect of u", difference > ODDS, difference, ODDS,
@@ -267,8 +268,11 @@ def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
     A u of few values is no response: then y(k) predicts u(k) because it holds it.
     """
     record = search.record
-    if fit.armax or (search.is_closed and has_many_values(record)):
+    is_answer = search.is_closed and has_many_values(record) and not leads(record.u, record.y)
+    plain = fit if not fit.armax else next((one for one in search.fits if not one.armax), None)
+    if is_answer or plain is None or (fit.armax and not search.is_closed):
         return None
+    fit = plain
     earlier = replace(record, u=np.append(record.u[1:], record.u[-1]))
     weights = record.weights(fit.e) if fit.heavy else None
     squares = [
@@ -284,7 +288,7 @@ def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
     return Gate(
         "direct feedthrough", difference < ODDS, difference, ODDS,
         f"with u(k) in the model of y(k) the BIC is smaller by {difference:.3g}",
-        "Shift y by one row.",
+        "Pair y[:-1] with u[1:].",
     )  # fmt: skip
 
 

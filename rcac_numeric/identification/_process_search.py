@@ -84,13 +84,18 @@ class ProcessSearch:
     record : ProcessRecord
     delay : int, optional
         Known dead time.
+    is_direct : bool
+        Whether y of the record was logged a step before its u, so that delay 0 is a direct
+        feedthrough.
     """
 
-    def __init__(self, record: ProcessRecord, delay: int | None = None) -> None:
-        self.record = record
+    def __init__(
+        self, record: ProcessRecord, delay: int | None = None, *, is_direct: bool = False
+    ) -> None:
+        self.record, self.is_direct = record, is_direct
         self.costs = delay_costs(record, delay)
         self.is_known = delay is not None
-        self.is_closed = is_answer(record)
+        self.is_closed = not is_direct and is_answer(record)
         self.fits: list[ProcessFit] = []
         self.short: list[ProcessFit] = []
         self._box_jenkins(record)

@@ -22,7 +22,7 @@ Shape = tuple[int, int, int]  # order, delay and number of integrators of a mode
 
 @dataclass(frozen=True, eq=False)
 class ScalarModel(Value):
-    """The map q^-delay B(q)/A(q) from u to y, strictly proper."""
+    """The map q^-delay B(q)/A(q) from u to y, strictly proper unless B has n + 1 coefficients."""
 
     numerator: Array
     denominator: Array
@@ -31,7 +31,12 @@ class ScalarModel(Value):
     @property
     def order(self) -> int:
         """n, without the delay."""
-        return len(self.numerator)
+        return len(self.denominator) - 1
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether y(k) responds to u(k): B = b_0 + b_1 q^-1 + ... + b_n q^-n."""
+        return len(self.numerator) == len(self.denominator)
 
     @property
     def transfer_function(self) -> tuple[Array, Array]:

@@ -98,6 +98,19 @@ def test_a_log_of_two_inputs_or_of_none_is_refused():
 
 
 @pytest.mark.costly
+def test_a_plant_with_direct_feedthrough_has_a_controller_of_the_row_before():
+    """y(k) = 0.8 y(k-1) + 0.5 u(k): the controller computes u(k) from y(k-1)."""
+    rng = np.random.default_rng(2)
+    u = rng.standard_normal(1000)
+    y = lfilter([0.5], [1, -0.8], u) + 0.05 * rng.standard_normal(1000)
+    direct = rn.design(rn.ControllerLog(u, y), **QUICK)
+    assert direct.logged.model.is_direct and direct.model.delay == 0
+    assert any("same row" in one.assumed for one in direct.questions)
+    true = read_plant("0.5/(q - 0.8)", None, 0)
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), direct.fixed.compensator)) < 2.5
+
+
+@pytest.mark.costly
 def test_a_plant_that_integrates_has_its_pole_at_1(found):
     rng = np.random.default_rng(440012)
     u = rng.standard_normal(2000)

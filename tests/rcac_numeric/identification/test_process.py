@@ -251,15 +251,56 @@ def test_jumps_that_look_like_the_answer_to_one_step_fail_the_gate():
     assert "level jumps" in {gate.name for gate in model.failed}
 
 
-def test_a_feedthrough_of_a_few_values_is_named():
+MOVES = {
+    "few values": lambda rng: np.repeat(rng.choice([-1.0, 1.0], 200), 3),
+    "white": lambda rng: rng.standard_normal(600),
+    "coloured": lambda rng: lfilter([1.0], [1, -0.9], rng.standard_normal(600)),
+}
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("kind", MOVES)
+def test_direct_feedthrough_is_part_of_the_model(kind):
+    """y(k) = 0.8 y(k-1) + 0.5 u(k) + 0.2 u(k-1)."""
     rng = np.random.default_rng(4)
-    u = np.repeat(rng.choice([-1.0, 1.0], 150), 3)
-    y = lfilter([0.5], [1, -0.8], u) + 0.01 * rng.standard_normal(450)
+    u = MOVES[kind](rng)
+    y = lfilter([0.5, 0.2], [1, -0.8], u) + 0.05 * rng.standard_normal(600)
+    model = identify_process(u, y)
+    assert model.is_direct and (model.delay, model.delay_interval) == (0, (0, 0))
+    assert not model.failed and model.numerator[0] == pytest.approx(0.5, abs=0.05)
+    z = np.exp(0.3j)
+    top, bottom = (np.polyval(one, z) for one in model.transfer_function)
+    assert abs(top / bottom / ((0.5 + 0.2 / z) / (1 - 0.8 / z)) - 1) < 0.05
     with pytest.raises(InputError, match=r"y\(k\) responds to u\(k\)"):
-        identify_process(u, y)
+        identify_process(u, y, delay=0)
     search = search_of(u[1:], y[:-1], None)
     gate = feedthrough_gate(search, search.fits[0])
-    assert gate.passed and gate.limit == ODDS and KNOWN < 1
+    assert gate.passed and gate.limit == ODDS and KNOWN < 1 and not search.is_direct
+
+
+@pytest.mark.costly
+def test_a_controller_that_reads_y_of_the_row_is_no_feedthrough():
+    """By the reverse: u(k) responds to y(k), with and without a state, and a white dither."""
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        u, y, x, state = np.zeros(1000), np.zeros(1000), 0.0, 0.0
+        noise = lfilter([1.0], [1, -0.6 * (seed % 2)], 0.3 * rng.standard_normal(1000))
+        for k in range(1000):
+            y[k] = x + noise[k]
+            u[k] = rng.standard_normal() - 0.5 * y[k] - 0.1 * state
+            state += y[k] if seed % 3 else 0.0
+            x = 0.9 * x + 0.5 * u[k]
+        assert not search_of(u, y, None).is_direct
+
+
+@pytest.mark.costly
+def test_y_of_two_rows_later_is_refused():
+    rng = np.random.default_rng(1)
+    rng.standard_normal(1500)
+    u = np.repeat(rng.choice([-1.0, 1.0], 150), 10)
+    y = lfilter([0.5, 0.2], [1, -0.8], u) + 0.1 * rng.standard_normal(1500)
+    with pytest.raises(InputError, match="two steps or more"):
+        identify_process(u[:-1], y[1:])
 
 
 @pytest.mark.parametrize(
