@@ -124,7 +124,7 @@ def written_tree(tree: Tree, image: Callable[[Expr], Expr]) -> str:
     if isinstance(tree, Addition):
         return f"({'+'.join(written_tree(term, image) for term in tree.terms)})"
     factors = [written_tree(factor, image) for factor in tree.factors]
-    return "*".join(factors + [f"(1/{written_tree(d, image)})" for d in tree.divisors])
+    return f"({'*'.join(factors + [f'(1/{written_tree(d, image)})' for d in tree.divisors])})"
 
 
 class _Readable(StrPrinter):  # type: ignore[misc]
