@@ -91,11 +91,11 @@ from .roots._regions import locate_roots as locate_roots
 from .roots._spectral_factors import spectral_factor as spectral_factor
 from .roots._stability import decide_stability as decide_stability
 from .stability._conditions import stability_conditions as stability_conditions
+from .stability._delayed_margins import stability_margins as stability_margins
 from .stability._delays import stability_delays as stability_delays
 from .stability._interval_polynomials import (
     decide_interval_stability as decide_interval_stability,
 )
-from .stability._margins import stability_margins as stability_margins
 from .stability._norms import h_infinity_norm as h_infinity_norm
 from .stability._passivity import decide_bounded_real as decide_bounded_real
 from .stability._passivity import decide_positive_real as decide_positive_real
@@ -117,7 +117,10 @@ from .systems._canonical_text import canonical as canonical
 from .systems._controllability import controllability_matrix as controllability_matrix
 from .systems._controllability import is_controllable as is_controllable
 from .systems._controllability import uncontrollable_polynomial as uncontrollable_polynomial
-from .systems._conversions import transfer_function as transfer_function
+from .systems._dead_times import transfer_function as transfer_function
+from .systems._delayed_transfer_functions import (
+    DelayedTransferFunction as DelayedTransferFunction,
+)
 from .systems._descriptor_systems import DescriptorSystem as DescriptorSystem
 from .systems._difference_equations import compensator_polynomials as compensator_polynomials
 from .systems._matrix_conversions import transfer_matrix as transfer_matrix

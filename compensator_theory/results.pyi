@@ -73,6 +73,7 @@ from .roots._number_fields import FieldMatrix as FieldMatrix
 from .roots._number_fields import NumberField as NumberField
 from .roots._spectral_factors import SpectralFactor as SpectralFactor
 from .roots._stability import StabilityDecision as StabilityDecision
+from .stability._delayed_margins import DelayedStabilityMargins as DelayedStabilityMargins
 from .stability._delays import DelayCrossing as DelayCrossing
 from .stability._delays import StabilityDelays as StabilityDelays
 from .stability._interval_polynomials import IntervalStability as IntervalStability

@@ -64,6 +64,16 @@ def carrying(*, real: bool = False) -> Callable[[Callable[P, Result]], Callable[
     return decorate
 
 
+def carried_by(kind: str) -> Callable[[Callable[P, Result]], Callable[P, Result]]:
+    """Decorate a function that passes functions of symbols to one that carries or refuses them."""
+
+    def decorate(function: Callable[P, Result]) -> Callable[P, Result]:
+        function.carries = kind  # type: ignore[attr-defined]
+        return function
+
+    return decorate
+
+
 def carry_methods(cls: type, result: type) -> None:
     """Let the methods of a result class take and return functions of symbols.
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from sympy import Poly, Symbol
+from dataclasses import replace
 
-from compensator_theory.polynomials._carrying import carrying
+import sympy
+from sympy import Expr, Poly, Symbol
+
+from compensator_theory.polynomials._carrying import carried_by, carrying
 from compensator_theory.responses._time_responses import TimeResponse, inverse_transform
-from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems._dead_times import DelayedLike, transfer_function
+from compensator_theory.systems._delayed_transfer_functions import DelayedTransferFunction
 from compensator_theory.systems._transfer_functions import TransferFunction
 
 
-@carrying()
-def step_response(G: TransferFunctionLike, variable: str | Symbol | None = None) -> TimeResponse:
+@carried_by("all")
+def step_response(G: DelayedLike, variable: str | Symbol | None = None) -> TimeResponse:
     r"""Return the response to a unit step from rest, in closed form.
 
     .. math:: y(t) = \mathcal L^{-1}\Big\{G(s)\,\frac 1s\Big\}, \qquad
@@ -20,7 +24,8 @@ def step_response(G: TransferFunctionLike, variable: str | Symbol | None = None)
     Parameters
     ----------
     G : transfer function
-        In s, or proper in z or q; anything :func:`transfer_function` reads.
+        In s, where it may have a dead time, or proper in z or q; anything
+        :func:`transfer_function` reads.
     variable : str or Symbol, optional
         Default: evident.
 
@@ -51,15 +56,20 @@ def step_response(G: TransferFunctionLike, variable: str | Symbol | None = None)
     y(t) = 1 - cos(t*w)
     >>> print(step_response("1/(z - 1/2)"))
     y(k) = 2 - 2/2**k
+    >>> y = step_response("2*exp(-3*s)/(10*s + 1)")
+    >>> print(y)
+    y(t) = (2 - 2*exp(3/10 - t/10))*Heaviside(t - 3)
+    >>> y(2), y(13), y.settling_time()
+    (0, 2 - 2*exp(-1), 42.12023005428 ± 2.9e-11)
     """
     G = transfer_function(G, variable)
     unit = Poly(G.variable if G.time == "discrete" else 1, G.variable, domain="QQ")
     origin = Poly(G.variable, G.variable, domain="QQ") - (1 if G.time == "discrete" else 0)
-    return inverse_transform(G * TransferFunction(unit, origin))
+    return _response(G * TransferFunction(unit, origin))
 
 
-@carrying()
-def impulse_response(G: TransferFunctionLike, variable: str | Symbol | None = None) -> TimeResponse:
+@carried_by("all")
+def impulse_response(G: DelayedLike, variable: str | Symbol | None = None) -> TimeResponse:
     r"""Return the response to a unit impulse from rest: the inverse transform of G.
 
     .. math:: g(t) = \mathcal L^{-1} G(s), \qquad g(k) = \mathcal Z^{-1} G(z)
@@ -67,7 +77,8 @@ def impulse_response(G: TransferFunctionLike, variable: str | Symbol | None = No
     Parameters
     ----------
     G : transfer function
-        In s, or proper in z or q; anything :func:`transfer_function` reads.
+        In s, where it may have a dead time, or proper in z or q; anything
+        :func:`transfer_function` reads.
     variable : str or Symbol, optional
         Default: evident.
 
@@ -84,12 +95,12 @@ def impulse_response(G: TransferFunctionLike, variable: str | Symbol | None = No
     >>> impulse_response("1/(z**2 - z - 1)")(11)  # Fibonacci's number
     55
     """
-    return inverse_transform(transfer_function(G, variable))
+    return _response(transfer_function(G, variable))
 
 
-@carrying()
+@carried_by("all")
 def time_response(
-    G: TransferFunctionLike, U: TransferFunctionLike, variable: str | Symbol | None = None
+    G: DelayedLike, U: DelayedLike, *, variable: str | Symbol | None = None
 ) -> TimeResponse:
     r"""Return the response from rest to an input of which the transform is rational.
 
@@ -122,4 +133,17 @@ def time_response(
     (w, a**2 + w**2)
     """
     G = transfer_function(G, variable)
-    return inverse_transform(G * transfer_function(U, G.variable))
+    return _response(G * transfer_function(U, G.variable))
+
+
+def _response(Y: TransferFunction | DelayedTransferFunction) -> TimeResponse:
+    """Return the inverse transform, shifted by the dead time."""
+    if isinstance(Y, DelayedTransferFunction):
+        return _inverse(Y.rational, Y.delay)
+    return _inverse(Y, sympy.Integer(0))
+
+
+@carrying()
+def _inverse(Y: TransferFunction, delay: Expr) -> TimeResponse:
+    """Return the inverse transform of Y exp(-delay s)."""
+    return replace(inverse_transform(Y), delay=delay)

@@ -48,6 +48,9 @@ class StepCharacteristics:
         def final_value(self) -> Expr: ...
 
         @property
+        def delay(self) -> Expr: ...
+
+        @property
         def is_discrete(self) -> bool: ...
 
     def overshoot(self) -> Enclosure:
@@ -104,7 +107,11 @@ class StepCharacteristics:
         7.824046010854 ± 3.6e-12
         """
         width = _fraction(band, "band")
-        return self._searched(lambda error: error.settled(width), "the settling time")
+        late = self.delay
+        if not late.is_Rational:
+            raise InputError(f"the settling time needs a number for {late}; give it by subs(...)")
+        settled = self._searched(lambda error: error.settled(width), "the settling time")
+        return Enclosure(settled.centre + late, settled.radius)
 
     def rise_time(self, start: NumberLike = "0.1", end: NumberLike = "0.9") -> Enclosure:
         """Return the time from the first crossing of one fraction of the final value to another.

@@ -48,7 +48,7 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
     Attributes
     ----------
     transform : TransferFunction
-        Y, without common factors.
+        Y, without common factors and without the dead time.
     impulses : sympy.Poly
         Of continuous time: the polynomial part of Y, whose coefficient of s^i belongs to the i-th
         derivative of the Dirac impulse at t = 0. Otherwise 0.
@@ -57,6 +57,8 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
         time, whose factor z has the first samples).
     time : sympy.Symbol
         t in continuous time, k in discrete time.
+    delay : sympy.Expr
+        The dead time in s, before which the response is 0; impulses come at its end.
 
     Examples
     --------
@@ -76,6 +78,7 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
     impulses: Poly
     modes: tuple[Mode, ...]
     time: Symbol
+    delay: Expr = sympy.S.Zero
 
     @property
     def variable(self) -> Symbol:
@@ -89,11 +92,25 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
 
     @cached_property
     def expression(self) -> Expr:
-        """The response for t > 0 or k >= 0; impulses at t = 0 are Dirac's and its derivatives."""
-        parts = [mode.expression(self.time, is_discrete=self.is_discrete) for mode in self.modes]
-        for (power,), c in self.impulses.terms():
-            if c != 0:
-                parts.append(c * sympy.DiracDelta(self.time, *([power] if power else [])))
+        """The response for t > 0 or k >= 0; impulses at t = 0 are Dirac's and its derivatives.
+
+        With a dead time, a Heaviside function makes it 0 before.
+        """
+        since = self.time - self.delay
+        signal = self._after_delay
+        if self.delay != 0:
+            signal = signal.subs(self.time, since) * sympy.Heaviside(since)
+        impulses = [
+            c * sympy.DiracDelta(since, *([power] if power else []))
+            for (power,), c in self.impulses.terms()
+            if c != 0
+        ]
+        return sympy.Add(signal, *impulses)
+
+    @cached_property
+    def _after_delay(self) -> Expr:
+        """The response without impulses, as a function of the time since the dead time."""
+        parts = (m.expression(self.time, is_discrete=self.is_discrete) for m in self.modes)
         return sympy.Add(*parts)
 
     @property
@@ -114,6 +131,8 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
         ImproperError
             If Y has impulses, so that there is no value at 0+ of the polynomial part.
         """
+        if self.delay != 0:
+            return sympy.Integer(0)
         Y = self.transform
         excess = Y.order - max(0, int(Y.numerator.degree()))
         if self.is_discrete:
@@ -158,6 +177,11 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
             return sympy.Integer(0)
         if self.is_discrete and at.is_Integer and at <= limit_of("degree"):
             return markov_parameters(self.transform, int(at) + 1)[-1]
+        since = at - self.delay
+        if since.is_negative:
+            return sympy.Integer(0)
+        if since.is_number and self.impulses.is_zero:
+            return self._after_delay.subs(self.time, since)
         return self.expression.subs(self.time, at)
 
     def plot(self, until: NumberLike | None = None, **options: Any) -> figures.Figure:

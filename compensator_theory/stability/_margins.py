@@ -102,19 +102,21 @@ class PhaseCrossover(ExactValue):
 
     Attributes
     ----------
-    square : sympy.Expr
+    square : sympy.Expr or Enclosure
         :math:`\omega^2`, exact, 0 and oo included; in discrete time :math:`\tan^2(\theta/2)`.
+        With a dead time an enclosure.
     frequency : Enclosure or None
         In rad/s, in discrete time rad/sample; None at infinity in continuous time.
-    gain : sympy.Expr
+    gain : sympy.Expr or Enclosure
         :math:`-1/L`, exact: the factor of the gain at which a root is on the boundary of stability.
+        With a dead time an enclosure.
     gain_enclosure : Enclosure
         The same, certified.
     """
 
-    square: Expr
+    square: Expr | Enclosure
     frequency: Enclosure | None
-    gain: Expr
+    gain: Expr | Enclosure
     gain_enclosure: Enclosure
 
     def __str__(self) -> str:
@@ -361,60 +363,7 @@ def stability_margins(
     feedback: int,
     variable: str | Symbol | None = None,
 ) -> StabilityMargins:
-    r"""Find every gain and phase crossover of a loop exactly, and its margins.
-
-    .. math:: |N|^2 = |D|^2, \qquad \mathrm{Im}\, N(\mathrm{j}\omega) D(-\mathrm{j}\omega) = 0, \;
-              \mathrm{Re} < 0, \qquad L = -f\, G G_c = N/D
-
-    Parameters
-    ----------
-    plant, compensator : transfer function
-        Proper, rational, in s, or in z or q, where :math:`z = (1 + w)/(1 - w)` makes an axis of the
-        circle; by default the compensator is 1.
-    feedback : {+1, -1}
-        The sign f; for the usual loop :math:`1 + G G_c` it is -1.
-    variable : str or Symbol, optional
-        Of the plant; default: evident.
-
-    Returns
-    -------
-    StabilityMargins
-        Squares of frequencies and gain factors are exact, angles are certified balls of 30 digits.
-
-    Raises
-    ------
-    InputError, ImproperError
-        If a coefficient is symbolic, the variable does not show the time domain, L is improper, or
-        :math:`1 + L` is zero identically.
-
-    Notes
-    -----
-    ``rcac_numeric.stability_margins`` answers the same in float64 for loops in z or q, those of a
-    run and of a plant with several channels too.
-
-    A margin is the distance of a *stable* loop from the boundary; the crossovers of an unstable one
-    are listed all the same. Every boundary of the gain interval is a phase crossover, not the other
-    way round. Where L is real at all frequencies, as :math:`1/s^2` is, none is a crossover by
-    itself: `phase_crossovers` is empty and `is_real` true, and a root s that is not hidden comes
-    with -s, in discrete time with 1/s, so that no gain makes a loop stable whose L has poles. Where
-    :math:`1 + L` is zero at infinity the loop is not well posed, and so not stable. Where
-    :math:`|L|` is 1 at all frequencies `gain_crossovers` is empty and `is_all_pass` true; no such
-    loop is stable but that of L = 1.
-
-    Examples
-    --------
-    >>> from compensator_theory import stability_margins
-    >>> print(stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1))
-    the loop is stable
-    stable for gain factors in (0, 3)
-    |L| = 1 at 1.22706: phase margin 25.39 degrees
-    L < 0 at 2.23607: gain factor 3
-    >>> found = stability_margins("1/(s*(s + 1))", feedback=-1)
-    >>> found.gain_crossovers[0].square, found.delay.value
-    (-1/2 + sqrt(5)/2, 1.15061414365604986842 ± 5.0e-21)
-    >>> print(found.phase)  # degrees, at rad/s
-    51.8273 at 0.786151
-    """
+    """Return the crossovers and margins of a loop of rational transfer functions."""
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator
     if not (is_rational(N) and is_rational(D)):

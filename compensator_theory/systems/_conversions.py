@@ -62,57 +62,7 @@ def transfer_function(
     gain: NumberLike | None = None,
     sample_time: NumberLike | None = None,
 ) -> TransferFunction:
-    r"""Make an exact transfer function out of any usual description.
-
-    .. math:: G = \frac{N}{D} = k\,\frac{\prod_i (s - z_i)}{\prod_j (s - p_j)}
-
-    Parameters
-    ----------
-    obj : TransferFunction, Realisation, DescriptorSystem, text, Expr, pair, matrices, mapping, ...
-        A pair is a tuple (numerator, denominator), each of which :func:`polynomial` reads; matrices
-        are (A, B, C) or (A, B, C, D), in which B and C may be one-dimensional and D = 0, and need
-        the variable, or (A, B, C, D, dt). A list of one row of one entry is that entry. A mapping
-        has the keys ``zeros``, ``poles``, ``gain``. Foreign systems are the transfer functions,
-        state spaces and connections of python-control, SciPy and SymPy. Floats are read by their
-        shortest decimal.
-    variable : str or Symbol, optional
-        Default: evident from the symbols; for python-control ``s`` or ``z`` from its time base.
-        Where it is named, other letters are parameters, s, z and q too.
-    zeros, poles : iterable, optional
-        Exact roots, instead of `obj`; zeros default to none.
-    gain : number, optional
-        Leading coefficient of the numerator; default 1.
-    sample_time : number, optional
-        In seconds, in discrete time. The time domain of `obj` has to agree: a system knows its
-        variable and its sample time, where it has one.
-
-    Returns
-    -------
-    TransferFunction
-        A string, a pair and zeros with poles keep common factors; an expression comes as SymPy has
-        already simplified it.
-
-    Raises
-    ------
-    InputError
-        If the description is incomplete, not scalar, not rational in the variable, or not finite,
-        or its coefficients contain another of s, z and q.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> print(transfer_function("(q - 0.85)/((q - 0.8)*(q - 0.9))"))
-    (q - 17/20)/(q**2 - 17*q/10 + 18/25)
-    >>> print(transfer_function(([1, 2], [1, 0, "a"]), "s"))
-    (s + 2)/(s**2 + a)
-    >>> print(transfer_function(zeros=[-1], poles=["-2+1j", "-2-1j"], gain=3, variable="s"))
-    (3*s + 3)/(s**2 + 4*s + 5)
-    >>> print(transfer_function(([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), "s"))
-    (1)/(s**2 + 3*s + 2)
-    >>> G = transfer_function("1/(z - 1)", sample_time="1/100")
-    >>> G.time, (G * G).sample_time
-    ('discrete', 1/100)
-    """
+    """Return the rational transfer function of any description."""
     if obj is None:
         obj = Roots(zeros, poles, gain)
     elif not (zeros is None and poles is None and gain is None):

@@ -20,6 +20,10 @@ from compensator_theory.polynomials._quotients import Quotient
 from compensator_theory.polynomials._reading import is_list, read_quotient
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_operator
+from compensator_theory.systems._delayed_transfer_functions import (
+    DelayedTransferFunction,
+    refuse_dead_time,
+)
 from compensator_theory.systems._foreign import contents_of, is_foreign
 from compensator_theory.systems._kinds import Pair, Roots, Rows, States
 from compensator_theory.systems._realisations import Realisation
@@ -44,6 +48,8 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
     of three levels are the numerators and denominators of a matrix, as python-control has them;
     matrices are (A, B, C) or (A, B, C, D), and (A, B, C, D) may be followed by a sample time.
     """
+    if isinstance(obj, DelayedTransferFunction):
+        raise refuse_dead_time(obj)
     if isinstance(obj, ExactValue) and not isinstance(obj, System):
         content = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
         return content if isinstance(content, Realisation) else obj

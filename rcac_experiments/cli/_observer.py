@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-import compensator_theory as exact
+from compensator_theory.systems._conversions import transfer_function
 from rcac_experiments.cli._output import as_json_option, budget_option, show, variable_option
 from rcac_numeric.reports._observer import observer_sheet
 
@@ -30,6 +30,6 @@ def observer(
     if variable is None:
         sheet = observer_sheet(plant, compensator, int(feedback))
     else:
-        G, G_c = (exact.transfer_function(text, variable) for text in (plant, compensator))
+        G, G_c = (transfer_function(text, variable) for text in (plant, compensator))
         sheet = observer_sheet(G, G_c, int(feedback))
     show(sheet, as_json)

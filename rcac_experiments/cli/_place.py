@@ -9,6 +9,7 @@ from sympy import Poly
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
+from compensator_theory.systems._conversions import transfer_function
 from rcac_experiments.cli._output import as_json_option, budget_option, show, variable_option
 from rcac_numeric.reports._placement import placement_sheet
 
@@ -40,7 +41,7 @@ def place(
     All numbers are rational: 0.1 is 1/10, and j is the imaginary unit. Without a solution the
     status is 2.
     """
-    system = exact.transfer_function(plant, variable)
+    system = transfer_function(plant, variable)
     target = _target(poles, str(system.variable))
     _require_degree(int(target.degree()), int(system.denominator.degree()), n_c)
     show(placement_sheet(exact.place_poles(system, target, n_c, feedback=int(feedback))), as_json)

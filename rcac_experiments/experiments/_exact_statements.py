@@ -13,6 +13,7 @@ import attrs
 import compensator_theory as exact
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.matrices._exact_matrices import exact_matrix
+from compensator_theory.systems._conversions import transfer_function
 from rcac_experiments.format._parts import PartialCall
 from rcac_experiments.format._places import did_you_mean
 from rcac_experiments.format._values import Exact, Sign
@@ -62,8 +63,8 @@ class ExactSystem(Value):
     def transfer_function(self) -> exact.TransferFunction:
         """The plant as N/D, unreduced."""
         if self.G is not None:
-            return exact.transfer_function(self.G)
-        return exact.transfer_function(self.plant)
+            return transfer_function(self.G)
+        return transfer_function(self.plant)
 
     @property
     def polynomials(self) -> tuple[Any, Any]:
@@ -126,7 +127,7 @@ def observer_based_compensator(
         system.plant, regulator, observer
     ).transfer_function
     pair = exact.TransferFunction(compensator.numerator * system.feedback, compensator.denominator)
-    return Evaluation(_same_pair(pair, exact.transfer_function(equals)), f"G_c = {pair}")
+    return Evaluation(_same_pair(pair, transfer_function(equals)), f"G_c = {pair}")
 
 
 def closed_loop(system: ExactSystem, compensator: str, polynomial: str) -> Evaluation:
@@ -139,7 +140,7 @@ def closed_loop(system: ExactSystem, compensator: str, polynomial: str) -> Evalu
     polynomial : str
         The closed-loop polynomial that is claimed.
     """
-    G, G_c = system.transfer_function, exact.transfer_function(compensator)
+    G, G_c = system.transfer_function, transfer_function(compensator)
     loop = G.denominator * G_c.denominator - system.feedback * G.numerator * G_c.numerator
     return Evaluation(loop == exact.polynomial(polynomial), f"D~ = {loop.as_expr()}")
 
@@ -161,7 +162,7 @@ def placement(
         To how many decimals its coefficients are rounded; exact where it is left out.
     """
     placement = exact.place_poles(system.transfer_function, poles, n_c, feedback=system.feedback)
-    claimed, words = exact.transfer_function(compensator), f"G_c = {placement.compensator}"
+    claimed, words = transfer_function(compensator), f"G_c = {placement.compensator}"
     if decimals < 0:
         is_claimed = _same_pair(placement.compensator, claimed)
     else:

@@ -11,6 +11,7 @@ from sympy import Expr
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError, NotCoprimeError
+from compensator_theory.systems._conversions import transfer_function
 from compensator_theory.systems._sample_times import agreed_period
 from rcac_experiments.format._parts import PartialCall
 from rcac_experiments.format._places import Errors, Location
@@ -117,7 +118,7 @@ Performance = Annotated[
 
 def standard_of_G(G: OfG, sample_time: Any = None) -> Plant:
     """The standard problem of a transfer function: y = z and w matched with u, (2.15)."""
-    read = exact.transfer_function(G)
+    read = transfer_function(G)
     if str(read.variable) == "s":
         plant: Plant = instance_of(plant_of(G, sample_time=_seconds(G, sample_time)), "G", Plant)
         return plant
@@ -138,7 +139,7 @@ def servo_of_G(G: OfG, performance: Performance = "measured", sample_time: Any =
     """The servo problem (2.16)-(2.20) of a transfer function, d and u colocated."""
     if isinstance(G, list):  # they say which variable it is where they are read
         return _timed(servo_plant(G, performance=performance), sample_time)
-    read = exact.transfer_function(G)
+    read = transfer_function(G)
     if str(read.variable) == "s":
         period = _seconds(G, sample_time)
         return servo_plant(plant_of(G, sample_time=period), performance=performance)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops._siso import agreed_sign, read_loop
+from compensator_theory.systems._conversions import transfer_function
 from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.analysis._closed_loop import ClosedLoop
@@ -247,7 +248,7 @@ def is_continuous(system: Any, variable: str | None = None) -> bool:
     """Whether a system of this or another package is in continuous time."""
     if isinstance(system, str | exact.TransferFunction | exact.Realisation):
         with suppress(InputError):
-            return bool(exact.transfer_function(system, variable).time == "continuous")
+            return bool(transfer_function(system, variable).time == "continuous")
         return False
     if hasattr(system, "isctime"):  # of python-control
         return bool(system.isctime(strict=True))
@@ -257,9 +258,9 @@ def is_continuous(system: Any, variable: str | None = None) -> bool:
 def _beside(compensator: Any) -> exact.TransferFunction:
     """Convert a compensator to the time of a system of another package."""
     try:
-        return exact.transfer_function(compensator)
+        return transfer_function(compensator)
     except InputError:
-        return exact.transfer_function(compensator, "z")
+        return transfer_function(compensator, "z")
 
 
 def _matrices(system: Any, variable: str | None = None) -> StateSpace:
@@ -282,7 +283,7 @@ def _matrices(system: Any, variable: str | None = None) -> StateSpace:
                 f"a {kind} is not a loop; give a Run, a ClosedLoop, a pair of a plant and a "
                 "Compensator (whose sign of feedback is known), or a transfer function in q."
             )
-        return _matrices(_in_discrete_time(exact.transfer_function(system, variable)))
+        return _matrices(_in_discrete_time(transfer_function(system, variable)))
     if system.dt is None:
         raise InputError(
             f"the {kind} has no time domain; give dt=True for a function of q. "

@@ -8,7 +8,6 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._frames import StateSpace, control_state_space
@@ -167,12 +166,13 @@ def compensator_of(system: Any, name: str = "compensator") -> Compensator:
     """Convert a transfer function in q to the compensator u = G_c y."""
     if isinstance(system, Compensator):
         return system
+    from compensator_theory.systems._conversions import transfer_function
     from compensator_theory.systems._descriptions import is_description
 
     if not is_description(system):
         raise InputError(f"{name} = {system!r} is not a Compensator.")
     variable = "q" if isinstance(system, str) and as_number(system) is not None else None
-    G_c = exact.transfer_function(system, variable)
+    G_c = transfer_function(system, variable)
     if str(G_c.variable) == "s":
         raise InputError(
             f"the {name} is in continuous time; discretise it first, for instance by "

@@ -9,6 +9,7 @@ from sympy import Symbol
 
 import compensator_theory as exact
 from compensator_theory.errors import Advice, ImproperError, InputError, NotCoprimeError
+from compensator_theory.systems._conversions import transfer_function
 from compensator_theory.systems._descriptions import has_states, shape_of
 from compensator_theory.systems._foreign import is_foreign
 from compensator_theory.systems._foreign import sample_time_of as exact_sample_time
@@ -131,7 +132,7 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
     Its order is the degree of the least common denominator D, so that it is controllable where the
     numerators over D and D itself have no factor in common.
     """
-    entries_exact = [exact.transfer_function(entry) for entry in entries]
+    entries_exact = [transfer_function(entry) for entry in entries]
     if len({str(g.variable) for g in entries_exact}) > 1:
         raise InputError("the entries of G are in different variables; write all of them in q.")
     if not all(g.is_strictly_proper for g in entries_exact):

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from compensator_theory import step_response
+from compensator_theory import DelayedTransferFunction, stability_margins, step_response
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.results import TimeResponse
 from compensator_theory.roots._certified import Root, certified_roots
-from compensator_theory.stability._margins import stability_margins
 from compensator_theory.systems._transfer_functions import TransferFunction
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.plots._library import Axes, Figure
@@ -56,7 +55,7 @@ def plot_time_response(
 
 
 def plot_system(
-    G: TransferFunction,
+    G: TransferFunction | DelayedTransferFunction,
     view: str = "all",
     *,
     ax: Axes | Sequence[Axes] | None = None,
@@ -65,7 +64,12 @@ def plot_system(
     """Draw one view of a system, or all, as `TransferFunction.plot` says."""
     if view not in VIEWS:
         raise InputError(f"view = {view!r} is none of {', '.join(VIEWS)}.")
-    if not (is_rational(G.numerator) and is_rational(G.denominator)):
+    rational = _rational_part(G)
+    if not (
+        is_rational(rational.numerator)
+        and is_rational(rational.denominator)
+        and (isinstance(G, TransferFunction) or G.delay.is_Rational)
+    ):
         raise InputError(f"{G} has symbols or irrational coefficients; give values by subs(...).")
     if ax is not None:
         axes = axes_of(ax, VIEWS[view])
@@ -89,7 +93,11 @@ def plot_system(
     return figure
 
 
-def _draw(axes: list[Axes], view: str, G: TransferFunction) -> None:
+def _rational_part(G: TransferFunction | DelayedTransferFunction) -> TransferFunction:
+    return G.rational if isinstance(G, DelayedTransferFunction) else G
+
+
+def _draw(axes: list[Axes], view: str, G: TransferFunction | DelayedTransferFunction) -> None:
     if view in ("step", "all"):
         draw_response(axes[0], step_response(G), None)
     if view in ("bode", "nyquist", "all"):
@@ -99,7 +107,7 @@ def _draw(axes: list[Axes], view: str, G: TransferFunction) -> None:
         if view != "bode":
             draw_nyquist(axes[-2 if view == "all" else 0], curve)
     if view in ("poles", "all"):
-        draw_poles_and_zeros(axes[-1], G)
+        draw_poles_and_zeros(axes[-1], _rational_part(G))
 
 
 def draw_response(axis: Axes, response: TimeResponse, until: float | None) -> None:
@@ -160,7 +168,7 @@ def draw_poles_and_zeros(axis: Axes, G: TransferFunction) -> None:
     axis.set_title("poles and zeros", fontsize=10)
 
 
-def _curve_of(G: TransferFunction) -> LoopCurve:
+def _curve_of(G: TransferFunction | DelayedTransferFunction) -> LoopCurve:
     """The frequency response, with the margins of the loop closed by negative feedback."""
     return exact_curve(stability_margins(G, feedback=-1))
 
@@ -181,8 +189,10 @@ def _values_of(response: TimeResponse) -> Callable[[Any], Array]:
             ]
             terms.append((root.value, values))
 
+    late = float(response.delay)
+
     def evaluate(times: Any) -> Array:
-        t = np.asarray(times, dtype=float)
+        t = np.maximum(np.asarray(times, dtype=float) - late, 0.0)
         total = np.zeros(t.shape, dtype=complex)
         for root, values in terms:
             binomial = np.ones_like(t)
@@ -195,7 +205,7 @@ def _values_of(response: TimeResponse) -> Callable[[Any], Array]:
                 else:
                     total += c * binomial * np.exp(root * t)
                     binomial = binomial * t / (j + 1)
-        return np.asarray(total.real, dtype=np.float64)
+        return np.where(np.asarray(times) < late, 0.0, total.real)
 
     return evaluate
 
@@ -214,6 +224,7 @@ def _horizon(
         return 1.5 * settled
     rates = [abs(root) for root in roots if abs(root) > 1e-12]
     growth = max([root.real for root in roots], default=0.0)
+    late = float(response.delay)
     if growth > 1e-9:
-        return float(np.log(GROWTH) / growth)
-    return 10 / min(rates) if rates else 1.0
+        return late + float(np.log(GROWTH) / growth)
+    return late + 10 / min(rates) if rates else late + 1.0

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
+from compensator_theory.results import DelayedStabilityMargins
 from compensator_theory.stability._margins import StabilityMargins
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.analysis._disk import DiskMargin
@@ -63,7 +64,9 @@ class LoopCurve:
     disk: float | None
 
 
-def plot_stability_margins(margins: StabilityMargins, view: str = "all", **options: Any) -> Figure:
+def plot_stability_margins(
+    margins: StabilityMargins | DelayedStabilityMargins, view: str = "all", **options: Any
+) -> Figure:
     """Draw a loop with its exact margins, as `StabilityMargins.plot` says."""
     return plot_loop(exact_curve(margins), view, **options)
 
@@ -257,20 +260,28 @@ def _frequencies(curve: LoopCurve) -> Any:
     return np.unique(np.concatenate([*parts, np.array(inside, dtype=float)]))
 
 
-def exact_curve(margins: StabilityMargins) -> LoopCurve:
+def exact_curve(margins: StabilityMargins | DelayedStabilityMargins) -> LoopCurve:
     """The curve of exact margins, rounded once."""
     N, D = ([float(c) for c in p.all_coeffs()] for p in (margins.numerator, margins.denominator))
     discrete = margins.time == "discrete"
+    late = float(margins.dead_time) if isinstance(margins, DelayedStabilityMargins) else 0.0
 
     def response(omega: Any) -> Any:
         points = np.exp(1j * omega) if discrete else 1j * omega
         with np.errstate(all="ignore"):
-            return np.polyval(N, points) / np.polyval(D, points)
+            return np.polyval(N, points) / np.polyval(D, points) * np.exp(-1j * late * omega)
 
     gains = [(float(c.frequency), c) for c in margins.gain_crossovers]
     turns = [(float(c.frequency), c) for c in margins.phase_crossovers if c.frequency is not None]
     ends: list[tuple[float, float]] = []
-    if margins.gains is not None:
+    if isinstance(margins, DelayedStabilityMargins):
+        nearest = [margins.gain_down, margins.gain_up] if margins.is_stable else []
+        ends = [
+            (float(margin.frequency), float(margin.value))
+            for margin in nearest
+            if margin is not None and margin.frequency is not None
+        ]
+    elif margins.gains is not None:
         for end in (float(margins.gains.lower), float(margins.gains.upper)):
             near = [
                 (w, end)

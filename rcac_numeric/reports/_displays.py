@@ -10,8 +10,10 @@ from typing import Any
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 from compensator_theory.responses._time_responses import TimeResponse
+from compensator_theory.stability._delayed_margins import DelayedStabilityMargins
 from compensator_theory.stability._margins import StabilityMargins
 from compensator_theory.stability._root_locus import RootLocus
+from compensator_theory.systems._delayed_transfer_functions import DelayedTransferFunction
 from compensator_theory.systems._transfer_functions import TransferFunction
 from rcac_numeric.arrays._wording import in_a_line
 from rcac_numeric.reports._rendering import sheet_html, words
@@ -21,7 +23,7 @@ from rcac_numeric.reports._svg import svg_of
 
 def picture_of(result: object, **options: Any) -> figures.Figure:
     """Return the figure of an exact result; an entry point names this function."""
-    if isinstance(result, StabilityMargins):
+    if isinstance(result, StabilityMargins | DelayedStabilityMargins):
         from rcac_numeric.plots._margins import plot_stability_margins
 
         return plot_stability_margins(result, **options)
@@ -33,7 +35,7 @@ def picture_of(result: object, **options: Any) -> figures.Figure:
         from rcac_numeric.plots._exact_systems import plot_time_response
 
         return plot_time_response(result, **options)
-    if isinstance(result, TransferFunction):
+    if isinstance(result, TransferFunction | DelayedTransferFunction):
         from rcac_numeric.plots._exact_systems import plot_system
 
         return plot_system(result, **options)

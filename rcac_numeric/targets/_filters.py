@@ -12,6 +12,7 @@ import compensator_theory as exact
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._polynomial_objects import in_our_order
+from compensator_theory.systems._conversions import transfer_function
 from compensator_theory.systems._state_space import transfer_matrix_of_realisation
 from rcac_numeric.arrays._validation import real_array, rounded
 from rcac_numeric.targets._model import TargetModel, from_transfer_function, require_causal
@@ -122,7 +123,7 @@ def read_filter(filter: Any) -> exact.TransferFunction | exact.TransferMatrix:
         return _scalar_if_possible(_from_control(filter))
     if library == "scipy":
         return _scalar_if_possible(_from_scipy(filter))
-    return exact.transfer_function(filter)
+    return transfer_function(filter)
 
 
 def _from_control(system: Any) -> exact.TransferMatrix:
@@ -156,7 +157,7 @@ def _from_scipy(system: Any) -> exact.TransferMatrix:
     if hasattr(system, "num"):
         numerators = system.num if system.num.ndim == 2 else [system.num]
         return _from_quotients([[(numerator, system.den)] for numerator in numerators])
-    G = exact.transfer_function(
+    G = transfer_function(
         zeros=list(system.zeros), poles=list(system.poles), gain=system.gain, variable="q"
     )
     return exact.TransferMatrix(((G.numerator,),), G.denominator)

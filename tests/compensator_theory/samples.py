@@ -112,6 +112,11 @@ EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
 MARGINS = st.sampled_from(["10", "100", "1"]).map(
     lambda gain: exact.stability_margins(f"{gain}/(s*(s + 1)*(s + 5))", feedback=-1)
 )
+DELAYED = st.builds(
+    exact.DelayedTransferFunction,
+    strictly_proper_plants(),
+    st.sampled_from(["1/3", "2"]) | SYMBOLS,
+)
 STABLE_MARGINS = MARGINS.filter(lambda found: found.is_stable)
 LOCI = st.sampled_from(["1/(s*(s + 1)*(s + 2))", "(s + 2)/(s**2 + 2*s + 3)"]).map(
     lambda loop: exact.root_locus(loop, feedback=-1)
@@ -343,6 +348,9 @@ SAMPLES = {
         )
     ),
     results.StabilityMargins: MARGINS,
+    results.DelayedStabilityMargins: st.sampled_from(["1", "3/(s - 1)", "5/(s + 1)"]).map(
+        lambda plant: exact.stability_margins(f"{plant}*exp(-s/3)/(s + 2)", feedback=-1)
+    ),
     results.Margin: STABLE_MARGINS.map(lambda found: found.phase),
     results.SymmetricDiskMargin: STABLE_MARGINS.map(lambda found: found.disk),
     results.GainCrossover: MARGINS.map(lambda found: found.gain_crossovers[0]),
@@ -385,6 +393,7 @@ SAMPLES = {
     exact.StandardProblem: standard_problems(max_order=2),
     exact.TransferFunction: strictly_proper_plants()
     | SYMBOLIC_POLYS.map(lambda p: exact.transfer_function((1, p * p + 1), "s")),
+    exact.DelayedTransferFunction: DELAYED,
     exact.TransferMatrix: transfer_matrices(),
     results.YoulaForm: st.just(
         exact.observers.youla_forms("1/(s - 1)", "-24/(s**2 + 7*s + 18)")[0]

@@ -69,6 +69,9 @@ def test_the_three_doors_of_systems_read_the_same(x):
         if G is None:
             assert matrix is None or matrix.shape != (1, 1), row.name
             continue
+        if isinstance(G, exact.DelayedTransferFunction):
+            assert matrix is None and states is None and x == "s"
+            continue
         scalar += 1
         assert matrix == exact.transfer_matrix(G), row.name
         assert states is None or states.transfer_function() == G, row.name

@@ -126,7 +126,7 @@ def test_wrong_advice_is_found():
     [
         (lambda: exact.spectral_factor([1, 2], time=None), "list of coefficients"),
         (lambda: exact.transfer_function(np.poly1d([1, 2])), "list of coefficients"),
-        (lambda: exact.transfer_function(sympy.exp(-s * T) / (s + 1)), "dead time"),
+        (lambda: exact.root_locus(sympy.exp(-s * T) / (s + 1), feedback=-1), "dead time"),
         (lambda: exact.polynomial(sympy.exp(-s) + 1, "s"), "dead time"),
         (lambda: exact.certified_roots("s + sqrt(2)"), "close to the irrational"),
         (lambda: exact.certified_roots("s + a", ), "numbers for a"),

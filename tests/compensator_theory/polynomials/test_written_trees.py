@@ -11,10 +11,12 @@ from compensator_theory.polynomials._expressions import read_text, read_tree, wr
 LEAVES = st.sampled_from(["s", "a", "2", "1/3", "5"])
 TEXTS = st.recursive(
     LEAVES,
-    lambda inner: st.builds("({})".format, inner)
-    | st.builds("({}){}({})".format, inner, st.sampled_from(["+", "-", "*", "/"]), inner)
-    | st.builds("{}/({}*{})".format, LEAVES, inner, inner)
-    | st.builds("({})**{}".format, inner, st.sampled_from(["2", "3", "(-1)"])),
+    lambda inner: (
+        st.builds("({})".format, inner)
+        | st.builds("({}){}({})".format, inner, st.sampled_from(["+", "-", "*", "/"]), inner)
+        | st.builds("{}/({}*{})".format, LEAVES, inner, inner)
+        | st.builds("({})**{}".format, inner, st.sampled_from(["2", "3", "(-1)"]))
+    ),
     max_leaves=6,
 )
 
