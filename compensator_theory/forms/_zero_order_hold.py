@@ -34,7 +34,11 @@ from compensator_theory.polynomials._budget import (
     repr_of,
     unlimited,
 )
-from compensator_theory.polynomials._carrying import refusing
+from compensator_theory.polynomials._carrying import (
+    carried_by,
+    refusing,
+    require_no_functions,
+)
 from compensator_theory.polynomials._letters import fresh, introduced, names_in_all
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, from_coefficients
@@ -47,6 +51,11 @@ from compensator_theory.polynomials._variables import (
     require_discrete,
 )
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
+from compensator_theory.systems._dead_times import with_dead_time
+from compensator_theory.systems._delayed_transfer_functions import (
+    DelayedTransferFunction,
+    way_of_pade,
+)
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._transfer_functions import TransferFunction
 
@@ -95,9 +104,9 @@ class SampledPlant(ExactValue):
         return displayed(f"{name} = {latex(self.realisation)}", *meaning, unless(self.exceptional))
 
 
-@refusing
+@carried_by("none")
 def zero_order_hold(
-    plant: RealisationLike,
+    plant: RealisationLike | DelayedTransferFunction,
     step: NumberLike | None = None,
     *,
     discrete_variable: str | Symbol | None = None,
@@ -113,7 +122,8 @@ def zero_order_hold(
     plant : Realisation, matrices, transfer function
         Anything :func:`realisation` reads, in s or another variable that is not z or q. Its
         denominator has factors of degree 1 and 2, with rational numbers or symbols, and the real
-        parts (of real irrational poles: the means) are sums of monomials such as -a.
+        parts (of real irrational poles: the means) are sums of monomials such as -a. A transfer
+        function may have a dead time :math:`\theta`, of which :math:`\theta/h` is rational.
     step : number or symbol, optional
         h > 0: a symbol, by default h, or "step" where h is a symbol of the plant; a rational
         number; or a SymPy expression: log(2), which makes exponentials of whole poles rational
@@ -141,6 +151,16 @@ def zero_order_hold(
     tend to the roots of :func:`sampling_zero_polynomial`. Source: K. J. Astrom, P. Hagander and
     J. Sternby, Zeros of sampled systems, Automatica 20 (1984).
 
+    With a dead time :math:`\theta = dh - \delta`, :math:`0 \le \delta < h`, the states include the
+    last d inputs, and (the modified z-transform)
+
+    .. math:: x_{k+1} = e^{Ah} x_k + \big(\Gamma(h) - \Gamma(\delta)\big) u_{k-d}
+              + \Gamma(\delta)\, u_{k-d+1}, \qquad \Gamma(t) = \int_0^t e^{A\tau}\,d\tau\, B, \qquad
+              y_k = C x_k + D u_{k-d}
+
+    Exponentials are those of the largest step of which h and :math:`\delta` are multiples. Source:
+    K. J. Astrom and B. Wittenmark, Computer-Controlled Systems (1997), Section 2.3.
+
     Examples
     --------
     >>> from sympy import log
@@ -158,8 +178,73 @@ def zero_order_hold(
     >>> from sympy import pi
     >>> print(zero_order_hold("1/(s**2 + 1)", pi / 2).transfer_function)
     (z + 1)/(z**2 + 1)
+    >>> late = zero_order_hold("exp(-3/2*s)/(s + 1)", 1)  # a step and a half
+    >>> print(late.transfer_function, late.exponentials)
+    ((1 - x)*z + (-x**2 + x))/(z**3 - x**2*z**2) ((x, exp(-1/2)),)
     """
+    system = with_dead_time(plant, variable)
+    if isinstance(system, DelayedTransferFunction):
+        return _late(system, step, discrete_variable)
+    return _held(plant, step, discrete_variable=discrete_variable, variable=variable)
+
+
+@refusing
+def _held(
+    plant: RealisationLike,
+    step: NumberLike | None = None,
+    *,
+    discrete_variable: str | Symbol | None,
+    variable: str | Symbol | None,
+) -> SampledPlant:
+    """Sample a plant without dead time."""
     return _sampled(plant, step, variable, discrete_variable, 1)
+
+
+def _late(
+    plant: DelayedTransferFunction, step: NumberLike | None, discrete_variable: str | Symbol | None
+) -> SampledPlant:
+    """Sample a plant with a dead time, at the steps of a clock that divides h and the fraction."""
+    require_no_functions(plant.rational)
+    system, z, h = _read(plant.rational, step, None, discrete_variable)
+    steps = sympy.cancel(plant.delay / h)
+    if not (steps.is_Rational and steps > 0):
+        raise InputError(
+            f"the dead time {text(plant.delay)} s in steps of {repr_of(h)} is no rational number; "
+            "give both as numbers, as in zero_order_hold(G, '1/2'), or the dead time as a multiple "
+            "of the symbol of the step, ",
+            way_of_pade("or sample the approximation G.pade({order})"),
+        )
+    d = int(sympy.ceiling(steps))
+    parts, fraction = int(steps.q), d - steps
+    n, m = system.B.shape
+    ask("degree", n + d, "the sampled plant with its dead time")
+    ask("degree", max(1, n) * parts, "the sampled plant with its fraction of a step")
+    M = ImmutableMatrix.vstack(system.A.row_join(system.B), zero_matrix(m, n + m))
+    ask("entries", (n + m) ** 2 * (n + 1), "the matrix exponential")
+    poles = characteristic_polynomial(system.A, system.variable)
+    annihilator = canonical(poles * Poly(system.variable, system.variable, domain=QQ))
+    E, meaning, certificate, squares = _exponential_of(M, annihilator, system, h / parts, z)
+    powers = [ImmutableMatrix(identity_matrix(n + m)), ImmutableMatrix(E)]
+    for _ in range(parts - 1):
+        powers.append(in_lowest_terms(multiplied(powers[-1], E)))
+    whole, late = powers[parts], powers[int(fraction * parts)]
+    now = late[:n, n:]
+    before = in_lowest_terms(whole[:n, n:] - now)
+    A, B = sympy.zeros(n + d, n + d), sympy.zeros(n + d, 1)
+    A[:n, :n], A[:n, n + d - 1] = whole[:n, :n], before
+    for k in range(1, d):
+        A[n + k, n + k - 1] = 1
+    B[n, 0] = 1
+    if d > 1:
+        A[:n, n + d - 2] = now
+    else:
+        B[:n, 0] = now
+    C = system.C.row_join(zero_matrix(1, d - 1)).row_join(system.D)
+    with unlimited():
+        result = Realisation(A, B, C, [[0]], z, sample_time=_period(h))
+    divisors = [sympy.fraction(entry)[1] for entry in (*A, *B)]
+    exceptional = _where_zero(divisors, h, meaning, squares)
+    return SampledPlant(result, h, meaning, exceptional, certificate)
 
 
 @refusing

@@ -51,9 +51,10 @@ class DelayedTransferFunction(System):
     -----
     :func:`transfer_function` reads it from a text or an expression. Its product with another
     transfer function adds the dead times; a sum needs equal ones. These functions take it as it
-    is: :func:`stability_margins`, :func:`step_response`, :func:`impulse_response` and
-    :func:`time_response`. The others refuse it; :meth:`pade` gives them a rational approximation.
-    Poles and zeros are those of `rational`.
+    is: :func:`stability_margins`, :func:`step_response`, :func:`impulse_response`,
+    :func:`time_response` and :func:`~compensator_theory.sampling.zero_order_hold`. The others
+    refuse it; :meth:`pade` gives them a rational approximation. Poles and zeros are those of
+    `rational`.
 
     Examples
     --------
@@ -327,8 +328,9 @@ def refuse_dead_time(G: DelayedTransferFunction) -> InputError:
     return InputError(
         f"{G} has a dead time, and this function takes rational transfer functions; ",
         way_of_pade(
-            "give an approximation, G.pade({order}). stability_margins, step_response, "
-            "impulse_response, time_response and design take the dead time as it is"
+            "give an approximation, G.pade({order}), or sample it by zero_order_hold. "
+            "stability_margins, step_response, impulse_response, time_response and design take the "
+            "dead time as it is"
         ),
     )
 

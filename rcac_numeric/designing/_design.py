@@ -395,7 +395,8 @@ def design(
         In seconds; a plant in continuous time needs it.
     dead_time : float, or rows of them
         Of the plant, in seconds; in steps where no sample time is known. Rows are those of the
-        entries of a transfer matrix in s, whole steps each: ``[[1, 3], [7, 3]]``.
+        entries of a transfer matrix in s, whole steps each: ``[[1, 3], [7, 3]]``. One plant in s
+        may be written with it: ``"2*exp(-3*s)/(10*s + 1)"``.
     uncertainty : Uncertainty, optional
         How far the true plant may be from this one: by default a gain of 0.8 to 1.25, one step,
         time constants of 1/1.2 to 1.2, three times the noise.

@@ -284,6 +284,7 @@ def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
 
 def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignPlant:
     """Read a plant in any form that `plant_of` reads, with a separate dead time."""
+    plant, dead_time = _with_written_dead_time(plant, dead_time)
     if np.ndim(dead_time):
         return _late_by_entry(plant, sample_time, real_array(dead_time, "dead_time"))
     late = number(dead_time, "dead_time")
@@ -329,6 +330,25 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
     hold_C = np.hstack([C, np.zeros((len(C), len(hold_A) - len(A)))])
     design_plant = DesignPlant(hold_A, hold_B, hold_C, whole + steps, (A, B), fraction, h)
     return _checked(design_plant)
+
+
+def _with_written_dead_time(plant: Any, dead_time: Any) -> tuple[Any, Any]:
+    """Return the rational part of a plant that is written with exp(-theta s), and theta."""
+    from compensator_theory.systems._dead_times import with_dead_time
+    from compensator_theory.systems._delayed_transfer_functions import DelayedTransferFunction
+
+    G = with_dead_time(plant)
+    if not isinstance(G, DelayedTransferFunction):
+        return plant, dead_time
+    if not G.delay.is_Rational:
+        raise InputError(f"the dead time {G.delay} has no value; give it by subs(...).")
+    written = float(G.delay)
+    if np.ndim(dead_time) or number(dead_time, "dead_time") not in (0.0, written):
+        raise InputError(
+            f"the plant has the dead time {written:g} s in exp(-{G.delay}*s), and dead_time = "
+            f"{dead_time}; give one of them."
+        )
+    return G.rational, written
 
 
 def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> DesignPlant:

@@ -9,6 +9,9 @@ import numpy as np
 
 import compensator_theory as exact
 from compensator_theory.errors import IllConditionedError, InputError
+from compensator_theory.polynomials._budget import ask
+from compensator_theory.systems._dead_times import with_dead_time
+from compensator_theory.systems._delayed_transfer_functions import DelayedTransferFunction
 from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._foreign import is_foreign
 from compensator_theory.systems._sample_times import agreed_period
@@ -45,7 +48,8 @@ def plant_of(
         One signal or several: a text, a pair (num, den), matrices (A, B, C, D), rows of transfer
         functions; StateSpace, TransferFunction, what `interconnect` gives, a discrete
         `nlsys`; `lti` and `dlti`; StateSpace, TransferFunction, Series, Feedback and their
-        matrices of sympy.physics.control. A plant of ours is handed back as it is.
+        matrices of sympy.physics.control. A plant of ours is handed back as it is. A text or a
+        transfer function in s may have one dead time, "2*exp(-3*s)/(10*s + 1)", of any length.
     sample_time : float, optional
         In seconds: with it, and only with it, a system in continuous time is sampled.
     method : {"zoh", "bilinear"}
@@ -92,6 +96,9 @@ def plant_of(
         return replaced(plant, sample_time=float(sample_time)) if unknown else plant  # type: ignore
     if is_nonlinear(system):
         return plant_of_nonlinear(system, sample_time)
+    late = with_dead_time(system, variable)
+    if isinstance(late, DelayedTransferFunction):
+        return _delayed(late, sample_time, method)
     realisation = exact_realisation(system, variable)
     if str(realisation.variable) == "s":
         sampled = _sampled(system, realisation, sample_time, method)
@@ -178,6 +185,38 @@ def _sampled(
 
     A, B, C, D, _ = cont2discrete((A, B, C, D), sample_time, method)
     return _matched(A, B, C, D, sample_time)
+
+
+def _delayed(G: DelayedTransferFunction, sample_time: float | None, method: str) -> Plant:
+    """Sample with a zero-order hold and a dead time, the last inputs among the states."""
+    if not G.delay.is_Rational:
+        raise InputError(f"the dead time {G.delay} has no value; give it by subs(...).")
+    if method != "zoh":
+        raise InputError(
+            f'a dead time is sampled with method = "zoh", not "{method}"; or give an approximation '
+            "in s, by the method pade of the transfer function."
+        )
+    realisation = exact_realisation(G.rational)
+    prompt = _sampled(G, realisation, sample_time, method)
+    assert sample_time is not None
+    steps = G.delay / exact.exact_number(sample_time)
+    d = int(steps.ceiling())
+    ask("degree", prompt.n + d, "the plant with its dead time")
+    A, B, C, D = rounded_once(realisation)
+    n, now = prompt.n, np.zeros_like(B)
+    if steps < d:
+        fraction = float((d - steps) * exact.exact_number(sample_time))
+        _, now = zero_order_hold(A, B, fraction)
+    whole_A, whole_B = np.zeros((n + d, n + d)), np.zeros((n + d, 1))
+    whole_A[:n, :n], whole_A[:n, n + d - 1 :] = prompt.A, prompt.B - now
+    whole_A[range(n + 1, n + d), range(n, n + d - 1)] = 1
+    whole_B[n] = 1
+    if d > 1:
+        whole_A[:n, n + d - 2 : n + d - 1] = now
+    else:
+        whole_B[:n] = now
+    whole_C = np.hstack([C, np.zeros((1, d - 1)), D])
+    return _matched(whole_A, whole_B, whole_C, np.zeros((1, 1)), sample_time)
 
 
 def _matched(A: Array, B: Array, C: Array, D: Array, period: float | None) -> Plant:

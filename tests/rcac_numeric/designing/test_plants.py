@@ -1,5 +1,7 @@
 """Plants with dead time: sampled exactly, varied as the uncertainty says, read from every form."""
 
+from fractions import Fraction
+
 import control
 import numpy as np
 import pytest
@@ -8,7 +10,15 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
-from rcac_numeric import PlantChange, PlantSchedule, Uncertainty, servo_plant, standard_plant
+from compensator_theory.sampling import zero_order_hold
+from rcac_numeric import (
+    PlantChange,
+    PlantSchedule,
+    Uncertainty,
+    plant_of,
+    servo_plant,
+    standard_plant,
+)
 from rcac_numeric.designing._plants import Variation, read_plant, variations
 from rcac_numeric.gallery import BoostConverter
 
@@ -29,6 +39,44 @@ def test_a_dead_time_of_any_length_is_sampled_exactly(tau, late, h, gain):
     exact = np.where(t > 0, gain * -np.expm1(-np.maximum(t, 0) / tau), 0.0)
     # A dead time within 2e-9 of a period of a whole one counts as whole.
     assert np.abs(step_response(plant.servo(), 30) - exact).max() < 1e-8 * gain * (1 + h / tau)
+
+
+@pytest.mark.parametrize("late", ["5/2", "3"])
+def test_a_dead_time_in_the_text_is_that_of_the_option(late):
+    written, option = (
+        read_plant(f"2*exp(-{late}*s)/(10*s + 1)", 1.0, 0.0),
+        read_plant("2/(10*s + 1)", 1.0, float(Fraction(late))),
+    )
+    assert np.array_equal(step_response(written.servo(), 20), step_response(option.servo(), 20))
+    assert read_plant(f"2*exp(-{late}*s)/(10*s + 1)", 1.0, float(Fraction(late))).delay == (
+        option.delay
+    )
+
+
+@pytest.mark.parametrize("late", [2.0, [[3.0]]])
+def test_two_dead_times_are_refused(late):
+    with pytest.raises(InputError, match="give one of them"):
+        read_plant("2*exp(-3*s)/(10*s + 1)", 1.0, late)
+
+
+@given(
+    late=st.sampled_from(["1/3", "1/2", "1", "9/4", "3"]), h=st.sampled_from([0.5, 1.0, 0.25]),
+    G=st.sampled_from(["2/(10*s + 1)", "(s + 3)/(s + 1)", "1/s**2", "1/(s**2 + s + 4)"]),
+)  # fmt: skip
+def test_a_plant_with_dead_time_has_the_exact_response(late, h, G):
+    """Beside the exact half's modified z-transform; and the sample time and zoh are needed."""
+    text = f"exp(-{late}*s)*{G}"
+    plant, sampled = plant_of(text, sample_time=h), zero_order_hold(text, h)
+    H, meaning = sampled.transfer_function, dict(sampled.exponentials)
+    z = np.exp(1j * np.array([0.3, 1.1, 2.9]))
+    N, D = ([float(c.subs(meaning)) for c in p.all_coeffs()] for p in (H.numerator, H.denominator))
+    theirs = np.polyval(N, z) / np.polyval(D, z)
+    ours = [(plant.C @ np.linalg.solve(x * np.eye(plant.n) - plant.A, plant.B)).item() for x in z]
+    assert np.allclose(ours, theirs, rtol=1e-8, atol=1e-12)
+    with pytest.raises(InputError, match="sample time"):
+        plant_of(text)
+    with pytest.raises(InputError, match="zoh"):
+        plant_of(text, sample_time=h, method="bilinear")
 
 
 @given(
