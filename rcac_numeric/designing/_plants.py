@@ -341,7 +341,7 @@ def _with_written_dead_time(plant: Any, dead_time: Any) -> tuple[Any, Any]:
     if not isinstance(G, DelayedTransferFunction):
         return plant, dead_time
     if not G.delay.is_Rational:
-        raise InputError(f"the dead time {G.delay} has no value; give it by subs(...).")
+        raise InputError(f"the dead time {G.delay} must be a number; substitute one for it.")
     written = float(G.delay)
     if np.ndim(dead_time) or number(dead_time, "dead_time") not in (0.0, written):
         raise InputError(

@@ -190,7 +190,7 @@ def _sampled(
 def _delayed(G: DelayedTransferFunction, sample_time: float | None, method: str) -> Plant:
     """Sample with a zero-order hold and a dead time, the last inputs among the states."""
     if not G.delay.is_Rational:
-        raise InputError(f"the dead time {G.delay} has no value; give it by subs(...).")
+        raise InputError(f"the dead time {G.delay} must be a number; substitute one for it.")
     if method != "zoh":
         raise InputError(
             f'a dead time is sampled with method = "zoh", not "{method}"; or give an approximation '

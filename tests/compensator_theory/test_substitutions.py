@@ -13,6 +13,7 @@ a, b = symbols("a b")
 MATRICES = [["a", "b"], [0, 1]], [[1], [1]], [[1, "b"]]
 EXAMPLES = [
     exact.transfer_function("b/(s + a)", "s"),
+    exact.transfer_function("exp(-b*s)/(s + a)", "s"),
     exact.transfer_matrix([["1/(s + a)", "b/s"]], "s"),
     exact.Realisation(*MATRICES),
     exact.DescriptorSystem([[1, 0], [0, "b"]], *MATRICES),
