@@ -29,7 +29,8 @@ WORDS = {
     "is_lqg_suboptimal": "u", "kalman_decomposition": "c o", "observer_based_compensator": "u y",
     "place_matrix_poles": "a", "transfer_function_is_observer_based": "a n",
     "state_feedback_family": "x", "observer_gain_family": "x",
-    "exceptional_cases": "x y",
+    "exceptional_cases": "x y", "step_response": "y", "impulse_response": "y",
+    "time_response": "y",
 }  # fmt: skip
 """Letters in the sentences of answers that are words, or signals of the loop."""
 
