@@ -89,7 +89,12 @@ class _Text(StrPrinter):  # type: ignore[misc]
 
 
 class _Representation(_Text):
-    _print_MatrixBase = StrPrinter._print_MatrixBase
+    def _print_MatrixBase(self, matrix: Any) -> str:
+        """In lines, as SymPy's ``repr``."""
+        if 0 in matrix.shape or matrix.rows == 1:
+            return super()._print_MatrixBase(matrix)
+        rows = ",\n".join(self._print(row) for row in matrix.tolist())
+        return f"Matrix([\n{rows}])"
 
     def _print_str(self, value: str) -> str:
         return repr(value)

@@ -34,7 +34,7 @@ class Mode(ExactValue):
     Examples
     --------
     >>> from compensator_theory import step_response
-    >>> step_response("1/(s + 2)").modes[1].coefficients
+    >>> step_response("1/(s + 2)").terms[1].coefficients
     (Poly(-1/2, s, domain='QQ'),)
     """
 

@@ -42,7 +42,7 @@ class StepCharacteristics:
     """
 
     if TYPE_CHECKING:
-        modes: tuple[Mode, ...]
+        terms: tuple[Mode, ...]
 
         @property
         def final_value(self) -> Expr: ...
@@ -139,13 +139,13 @@ class StepCharacteristics:
 
     def _searched(self, search: Callable[[_Error], Enclosure | None], subject: str) -> Enclosure:
         final = self.final_value
-        parts = [p for mode in self.modes for p in (mode.factor, *mode.coefficients)]
+        parts = [p for mode in self.terms for p in (mode.factor, *mode.coefficients)]
         if not all(map(is_rational, parts)):
             raise InputError(f"{subject} needs rational coefficients; give values by subs(...)")
         if final == 0:
             raise InputError(f"{subject} is a fraction of the final value, which is 0")
-        unit = Poly([1, -1] if self.is_discrete else [1, 0], self.modes[0].factor.gen, domain="QQ")
-        others = [mode for mode in self.modes if mode.factor != unit]
+        unit = Poly([1, -1] if self.is_discrete else [1, 0], self.terms[0].factor.gen, domain="QQ")
+        others = [mode for mode in self.terms if mode.factor != unit]
         kind = _Samples if self.is_discrete else _Signal
 
         def attempt(bits: int) -> Enclosure | None:

@@ -52,7 +52,7 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
     impulses : sympy.Poly
         Of continuous time: the polynomial part of Y, whose coefficient of s^i belongs to the i-th
         derivative of the Dirac impulse at t = 0. Otherwise 0.
-    modes : tuple of Mode
+    terms : tuple of Mode
         The contributions of the irreducible factors of the denominator (of z**-1 Y in discrete
         time, whose factor z has the first samples).
     time : sympy.Symbol
@@ -76,7 +76,7 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
 
     transform: TransferFunction
     impulses: Poly
-    modes: tuple[Mode, ...]
+    terms: tuple[Mode, ...]
     time: Symbol
     delay: Expr = sympy.S.Zero
 
@@ -110,16 +110,16 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
     @cached_property
     def _after_delay(self) -> Expr:
         """The response without impulses, as a function of the time since the dead time."""
-        parts = (m.expression(self.time, is_discrete=self.is_discrete) for m in self.modes)
+        parts = (m.expression(self.time, is_discrete=self.is_discrete) for m in self.terms)
         return sympy.Add(*parts)
 
     @property
     def exceptional(self) -> tuple[Expr, ...]:
         """Polynomials in the symbols at whose zeros the closed form is another, poles that meet."""
-        parts = [c for mode in self.modes for c in mode.coefficients]
-        divisors = denominators_in([*parts, *(mode.factor for mode in self.modes)])
+        parts = [c for mode in self.terms for c in mode.coefficients]
+        divisors = denominators_in([*parts, *(mode.factor for mode in self.terms)])
         if self.is_discrete:  # r^(k-j+1) is written as r^k r^(1-j)
-            divisors += [m.factor.TC() for m in self.modes if len(m.coefficients) > 1]
+            divisors += [m.factor.TC() for m in self.terms if len(m.coefficients) > 1]
         return exceptional_factors(divisors)
 
     @property
@@ -151,7 +151,7 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
         """
         origin = Poly([1, -1] if self.is_discrete else [1, 0], self.variable, domain="QQ")
         value = sympy.Integer(0)
-        for mode in self.modes:
+        for mode in self.terms:
             p = mode.factor
             if p == origin and len(mode.coefficients) == 1:
                 value = mode.coefficients[0].as_expr()
@@ -219,7 +219,7 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
     def _residuals(self) -> Residuals:
         numerator, denominator = self.impulses, Poly(1, self.variable, domain="QQ")
         factor = Poly(self.variable if self.is_discrete else 1, self.variable, domain="QQ")
-        for mode in self.modes:
+        for mode in self.terms:
             top, bottom = mode.transform
             numerator = numerator * bottom + top * factor * denominator
             denominator = denominator * bottom

@@ -157,7 +157,7 @@ def _transform(response: TimeResponse) -> Expr:
     """The transform of a response, from its modes."""
     factor = response.variable if response.is_discrete else sympy.Integer(1)
     total = response.impulses.as_expr()
-    for mode in response.modes:
+    for mode in response.terms:
         top, bottom = mode.transform
         total += factor * top.as_expr() / bottom.as_expr()
     return total

@@ -8,7 +8,6 @@ from fractions import Fraction
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from scipy.optimize import minimize
 
 from compensator_theory.errors import InputError
 from compensator_theory.stability._bounded_real_lemma import GainBound
@@ -319,6 +318,8 @@ class Allowance:
             return None
         simplex = np.vstack([first, first + 0.5 * np.eye(count)])
         options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-4, "maxfev": 60 * count}
+        from scipy.optimize import minimize  # slow to import, for several gains alone
+
         logarithms = minimize(lost, first, method="Nelder-Mead", options=options).x
         powers = np.exp2(np.floor(logarithms))
         return np.asarray(np.round(np.exp2(logarithms) / powers * DIGITS) / DIGITS * powers)

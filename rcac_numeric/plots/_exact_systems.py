@@ -176,7 +176,7 @@ def _curve_of(G: TransferFunction | DelayedTransferFunction) -> LoopCurve:
 def _values_of(response: TimeResponse) -> Callable[[Any], Array]:
     """Return the response in float64, by its poles."""
     terms = []
-    for mode in response.modes:
+    for mode in response.terms:
         if not all(map(is_rational, (mode.factor, *mode.coefficients))):
             raise InputError(
                 "the response has symbols or irrational coefficients; give values by subs(...)."
@@ -214,7 +214,7 @@ def _horizon(
     response: TimeResponse, settled: float | None, evaluate: Callable[[Any], Array]
 ) -> float:
     """Return where the picture ends: 1.5 settling times, some periods, or growth by 20."""
-    roots = [root.value for mode in response.modes for root in certified_roots(mode.factor)]
+    roots = [root.value for mode in response.terms for root in certified_roots(mode.factor)]
     if response.is_discrete:
         if settled is not None:
             return max(10.0, 1.5 * settled)

@@ -284,7 +284,7 @@ SAMPLES = {
     results.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
     | transfer_matrices().map(exact.minimal_realisation),
     results.TimeResponse: RESPONSES,
-    results.Mode: RESPONSES.map(lambda y: y.modes[0]),
+    results.Mode: RESPONSES.map(lambda y: y.terms[0]),
     results.TransitionMatrix: matrices(2, 2).map(exact.transition_matrix)
     | st.just(exact.transition_matrix([[0, "w"], ["-w", 0]])),
     results.RootFormula: SYMBOLS.map(
