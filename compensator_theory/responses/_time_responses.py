@@ -134,6 +134,8 @@ class TimeResponse(StepCharacteristics, Certified, ExactValue):
         if self.delay != 0:
             return sympy.Integer(0)
         Y = self.transform
+        if Y.numerator.is_zero:
+            return sympy.Integer(0)
         excess = Y.order - max(0, int(Y.numerator.degree()))
         if self.is_discrete:
             return Y.numerator.LC() if excess == 0 else sympy.Integer(0)

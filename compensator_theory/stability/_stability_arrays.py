@@ -50,6 +50,9 @@ class _Table:
 
     def overview(self) -> str:
         """Write all rows, the meaning of the degenerate ones, and the conclusion."""
+        return "\n".join([*self._written_rows(), self.conclusion])
+
+    def _written_rows(self) -> list[str]:
         rows = [(label, [*map(text, row)], remark) for label, row, remark in self._lines()]
         widths = [
             max((len(row[k]) for _, row, _ in rows if k < len(row)), default=0)
@@ -62,10 +65,7 @@ class _Table:
             lines.append(f"{label.ljust(margin)} | {cells}".rstrip())
             if remark:
                 lines.append(f"{' ' * margin}   {remark}")
-        return "\n".join([*lines, self.conclusion])
-
-    def __str__(self) -> str:
-        return self.overview()
+        return lines
 
     def _table(self) -> str:
         """The rows as an array of LaTeX."""
@@ -206,6 +206,9 @@ class RouthArray(_Table, ExactValue):
             lines.append((f"{s}**{power}", row, remark))
         return lines
 
+    def __str__(self) -> str:
+        return "\n".join([self.conclusion, *self._written_rows()])
+
     def _repr_latex_(self) -> str:
         return self._table()
 
@@ -250,7 +253,7 @@ def routh_array(poly: PolynomialOrSystem, variable: str | Symbol | None = None) 
     Examples
     --------
     >>> from compensator_theory import routh_array
-    >>> print(routh_array("s**3 + a*s**2 + b*s + c"))
+    >>> print(routh_array("s**3 + a*s**2 + b*s + c").overview())
     s**3 | 1          b
     s**2 | a          c
     s**1 | (a*b - c)/a
@@ -396,6 +399,9 @@ class JuryArray(_Table, ExactValue):
             lines += [(f"{2 * k + 1}", row, remark), (f"{2 * k + 2}", row[::-1], "")]
         return lines
 
+    def __str__(self) -> str:
+        return "\n".join([self.conclusion, *self._written_rows()])
+
     def _repr_latex_(self) -> str:
         return self._table()
 
@@ -436,7 +442,7 @@ def jury_array(poly: PolynomialOrSystem, variable: str | Symbol | None = None) -
     Examples
     --------
     >>> from compensator_theory import jury_array
-    >>> print(jury_array("z**3 - 1.3*z**2 - 0.08*z + 0.24"))
+    >>> print(jury_array("z**3 - 1.3*z**2 - 0.08*z + 0.24").overview())
     1 | 6/25      -2/25      -13/10    1
     2 | 1         -13/10     -2/25     6/25
     3 | -589/625  1601/1250  -29/125

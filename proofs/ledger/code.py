@@ -26,8 +26,9 @@ class Code:
     Examples
     --------
     >>> from proofs.ledger.code import Code
-    >>> sorted(Code().closure("proofs.symbolic.joint_fit", "unseen_direction"))[-2:]
-    ['proofs.symbolic.letters.letters', 'proofs.symbolic.letters.reduced']
+    >>> closure = Code().closure("proofs.symbolic.joint_fit", "unseen_direction")
+    >>> "proofs.symbolic.letters.letters" in closure
+    True
     """
 
     root: Path = ROOT

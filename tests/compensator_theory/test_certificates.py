@@ -18,17 +18,18 @@ from .samples import SAMPLES
 CLASSES = {name: getattr(results, name) for name in dir(results) if name[0].isupper()}
 WITHOUT = {
     "a number, a ball, a count or a matrix": """AffineMap Certificate Enclosure FieldMatrix
-        NumberField PolynomialEnclosure PolynomialMatrix Root RootCount""",
+        NumberField PolynomialEnclosure PolynomialMatrix Root RootCount RootFormula""",
     "a part of a result that is certified, or of one below": """ButterworthPattern DelayCrossing
         ExceptionalCase GainCrossover HighAuthorityLimit LocusAngles LocusBreak LocusCrossing Margin
-        PartialFraction PhaseCrossover StabilityCell StabilitySlab SymmetricDiskMargin
+        Mode PartialFraction PhaseCrossover StabilityCell StabilitySlab SymmetricDiskMargin
         UnstableRealZero ZeroDirection""",
     "irrational by nature: balls enclose it, and SpectralFactor.residual encloses 0": """
-        HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles RegulatorLocus
+        DelayedStabilityMargins HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles RegulatorLocus
         StabilityMargins""",
     "a decision by signs or counts, which is no identity": """IntervalStability ObserverDecision
         PickInterpolation RealnessDecision StabilityDecision StabilityDelays StabilityIntervals
         StabilityRegion StrongStabilisability""",
+    "an array by its definition, compared with exact counts": "JuryArray RouthArray",
     "its parts have one: the regulator and the estimator": "LQGController",
     "it is both sides of an identity": "PropositionCheck",
     "determinants; the multipliers that would show them in the ideal are not kept": "Subresultants",
@@ -52,6 +53,8 @@ TAMPERED = {
     results.PredictiveCostCompensator: "K regulator",
     results.RootLocus: "numerator",
     results.StateFeedbackFamily: "polynomial",
+    results.TimeResponse: "transform",
+    results.TransitionMatrix: "A",
     results.YoulaForm: "parameter",
 }
 # Of fields with these names the identity needs more than they hold: the roots as letters with their
