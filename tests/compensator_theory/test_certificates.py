@@ -24,8 +24,8 @@ WITHOUT = {
         Mode PartialFraction PhaseCrossover StabilityCell StabilitySlab SymmetricDiskMargin
         UnstableRealZero ZeroDirection""",
     "irrational by nature: balls enclose it, and SpectralFactor.residual encloses 0": """
-        DelayedStabilityMargins HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles RegulatorLocus
-        StabilityMargins""",
+        DelayedStabilityMargins HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles
+        RegulatorLocus StabilityMargins""",
     "a decision by signs or counts, which is no identity": """IntervalStability ObserverDecision
         PickInterpolation RealnessDecision StabilityDecision StabilityDelays StabilityIntervals
         StabilityRegion StrongStabilisability""",

@@ -141,7 +141,7 @@ ROOT, SUM = sqrt(5 + 2 * sqrt(6)), sqrt(2) + sqrt(3)
         (exact.bezout_identity, (s + log(6), s + log(2) + log(3)), r"log\(\d\)"),
         (exact.resultant, (s + sqrt(a), s + sqrt(a * b)), r"a symbol for sqrt\(a\*b\)"),
         (exact.regulator_gain, ([[log(2)]], [[1]], [pi]), r"log\(2\)"),
-        (exact.realisation, (exp(-theta) / (s + theta), "theta"), "pade"),
+        (exact.realisation, (exp(-theta) / (s + theta), "theta"), "dead time|write a symbol"),
         (exact.realisation, (exp(-s) / (s + 1),), "pade"),
         (exact.partial_fractions, ("exp(-0.25*s)/(s + 1)",), "pade"),
         (exact.h_infinity_norm, ("exp(-a*s)/(s + 1)",), "pade"),
