@@ -32,6 +32,7 @@ from .controllers._supervision import SupervisionRecord as SupervisionRecord
 from .controllers._supervision import TroubleCount as TroubleCount
 from .designing._design import Design as Design
 from .designing._logs import LoggedPlant as LoggedPlant
+from .designing._matrix_logs import LoggedMatrix as LoggedMatrix
 from .engine._batch_runs import BatchRun as BatchRun
 from .engine._batches import CaseResult as CaseResult
 from .engine._changes import AppliedChange as AppliedChange
@@ -59,6 +60,7 @@ from .identification._output_error import OutputErrorModel as OutputErrorModel
 from .identification._prediction_error import PredictionErrorModel as PredictionErrorModel
 from .identification._process import ProcessModel as ProcessModel
 from .identification._process_evidence import Gate as Gate
+from .identification._process_matrix import ProcessMatrix as ProcessMatrix
 from .identification._step_response import StepResponse as StepResponse
 from .identification._zeros import IdentifiedZeros as IdentifiedZeros
 from .identification._zeros_of_arx import OnlineZeros as OnlineZeros

@@ -9,5 +9,6 @@ NB_MODULE(_kernel, m) {
     rcac::bind_updates(m);
     rcac::bind_filters(m);
     rcac::bind_arx(m);
+    rcac::bind_gaps(m);
     rcac::bind_refinement(m);
 }

@@ -189,6 +189,9 @@ def arx(
     theta_0: Array,
 ) -> Arx: ...
 def mu_markov(*, mu: int, n_mod: int, R_theta: float, forgetting_factor: float) -> Arx: ...
+def errors_with_gaps(
+    *, signals: Array, whitener: Array, C: Array, observed: Array
+) -> tuple[Array, float]: ...
 def linear_plant(
     sizes: Sizes,
     segments: Sequence[tuple[int, Sequence[Array], bool, Array, int]],

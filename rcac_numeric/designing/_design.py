@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
 import attrs
 import numpy as np
@@ -14,7 +14,13 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory._few_lines import in_few_lines
-from compensator_theory.errors import BudgetError, CompensatorError, InputError, NoSolutionError
+from compensator_theory.errors import (
+    BudgetError,
+    CompensatorError,
+    InputError,
+    NoSolutionError,
+    UndecidedError,
+)
 from rcac_numeric.analysis._certified_set import CertifiedSet, certified_set
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
@@ -31,6 +37,7 @@ from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._expected import LONGEST, UNKNOWN, Expected, read_expected
 from rcac_numeric.designing._logs import TRIED, LoggedPlant, LogSearch, require_short
+from rcac_numeric.designing._matrix_logs import LoggedMatrix, search_of_logs
 from rcac_numeric.designing._plants import (
     DesignPlant,
     Uncertainty,
@@ -261,7 +268,7 @@ class Design(Result):
     runs : mapping from names to Run
         One of the nominal plant for each controller.
     steps : int
-    logged : LoggedPlant or None
+    logged : LoggedPlant, LoggedMatrix or None
         What the log showed, where the plant came from one.
     certified : CertifiedSet, str or None
         The set that keeps theta, or why there is none; None where it was not requested.
@@ -284,7 +291,7 @@ class Design(Result):
     saturation: Saturation | None
     runs: Mapping[str, Run]
     steps: int
-    logged: LoggedPlant | None = None
+    logged: LoggedPlant | LoggedMatrix | None = None
     certified: CertifiedSet | str | None = None
 
     @cached_property
@@ -454,7 +461,7 @@ def design(
     around = _DesignOptions(
         disturbance, noise, command, saturation, uncertainty, structure, feedforward
     )
-    if isinstance(plant, ControllerLog):
+    if _is_log(plant):
         basis = _basis_of_log(plant, sample_time, number(dead_time, "dead_time"), around)
     elif isinstance(plant, StepResponse):
         basis = _basis_of_step(plant, sample_time, dead_time, around)
@@ -524,6 +531,21 @@ class _DesignOptions:
     feedforward: bool
 
 
+F = TypeVar("F")
+
+
+class _Search(Protocol[F]):
+    """The models of a log in the order in which controllers are designed for them."""
+
+    def candidates(self) -> Iterator[F]: ...
+    def first_gates(self, fit: F) -> tuple[Gate, ...]: ...
+    def logged(self, fit: F, gates: tuple[Gate, ...] = ()) -> LoggedPlant | LoggedMatrix: ...
+    def judged(self, fit: F, logged: Any, G_c: Compensator, peak: float) -> (
+        LoggedPlant | LoggedMatrix
+    ): ...  # fmt: skip
+    def undecided(self, gates: tuple[Gate, ...]) -> UndecidedError: ...
+
+
 @dataclass(frozen=True)
 class _Basis:
     """The design model: a plant, its exogenous signals and its reference loop."""
@@ -534,7 +556,7 @@ class _Basis:
     assumed: tuple[str, ...]
     cases: tuple[Variation, ...]
     reference: Reference
-    logged: LoggedPlant | None
+    logged: LoggedPlant | LoggedMatrix | None
     obstacle: str = ""  # why the best model of the log is not used
     truncation: tuple[str, str] | None = None  # assumption and evidence, for a plant of many states
     blocked: tuple[float, ...] = ()  # frequencies of d that a zero of the plant blocks
@@ -544,7 +566,7 @@ def _basis_of(
     model: DesignPlant,
     usual: Uncertainty,
     around: _DesignOptions,
-    logged: LoggedPlant | None = None,
+    logged: LoggedPlant | LoggedMatrix | None = None,
 ) -> _Basis:
     refuse_states(model)
     u_range = _range(around.saturation)
@@ -612,16 +634,30 @@ def _truncation_question(model: Truncation, reference: Reference) -> tuple[str, 
     )
 
 
+def _is_log(plant: Any) -> bool:
+    """Whether a plant is a log, or logs of several experiments."""
+    if isinstance(plant, ControllerLog):
+        return True
+    is_sequence = isinstance(plant, list | tuple) and len(plant) > 0
+    return is_sequence and all(isinstance(one, ControllerLog) for one in plant)
+
+
 def _basis_of_log(
-    log: ControllerLog, sample_time: float | None, dead_time: float, around: _DesignOptions
-) -> _Basis:
+    log: ControllerLog | Sequence[ControllerLog], sample_time: float | None, dead_time: float,
+    around: _DesignOptions,
+) -> _Basis:  # fmt: skip
     """The first model of a log, the best one first, whose controller passes every gate.
 
     Where no credible model has a controller, one of lower order may: its controller must stabilise
     the credible ones.
     """
-    sample_time = log.sample_time if sample_time is None else sample_time
-    search = LogSearch(log, sample_time, dead_time)
+    search = search_of_logs(log, sample_time, dead_time)
+    if isinstance(search, LogSearch):
+        return _basis_of_search(search, around)
+    return _basis_of_search(search, around)
+
+
+def _basis_of_search(search: _Search[F], around: _DesignOptions) -> _Basis:
     first: tuple[Gate, ...] = ()
     obstacle: NoSolutionError | InputError | None = None
     is_first = False  # the obstacle is that of the best model
@@ -652,7 +688,7 @@ def _basis_of_log(
 
 
 def _expected(
-    logged: LoggedPlant | None, disturbance: Any, noise: float | None, command: Any,
+    logged: LoggedPlant | LoggedMatrix | None, disturbance: Any, noise: float | None, command: Any,
     u_range: float, model: DesignPlant,
 ) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
     """As `read_expected`, with defaults from the log if there is one."""
@@ -661,7 +697,7 @@ def _expected(
     is_unspecified = isinstance(disturbance, str) and disturbance == UNKNOWN
     size = logged.disturbance if is_unspecified else disturbance
     sensor = logged.noise if noise is None else noise
-    expected, assumed = read_expected(size, sensor, command, u_range, model.low_gain)
+    expected, assumed = read_expected(size, sensor, command, u_range, model.low_gain, model.m)
     return expected, (
         *assumed,
         *(["size"] if is_unspecified else []),

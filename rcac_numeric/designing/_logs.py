@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensator_theory.errors import Advice, BudgetError, InputError, UndecidedError
+from compensator_theory.errors import BudgetError, InputError, UndecidedError
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
@@ -135,6 +135,7 @@ class LogSearch:
     Parameters
     ----------
     log : ControllerLog
+        Of one input and output, without gaps.
     sample_time : float, optional
     dead_time : float
         In seconds, or steps; 0 where it is not known.
@@ -143,27 +144,12 @@ class LogSearch:
     def __init__(
         self, log: ControllerLog, sample_time: float | None = None, dead_time: float = 0.0
     ) -> None:
-        if log.u.shape[1] != 1 or log.y.shape[1] != 1:
-            raise InputError(
-                f"{log.source} has {log.u.shape[1]} controls and {log.y.shape[1]} measurements; "
-                "design takes a log with one of each. Give design a model: "
-                "identification.eigensystem_realisation makes one from Markov parameters."
-            )
         late, period = number(dead_time, "dead_time"), number(sample_time or 1.0, "sample_time")
         if late < 0 or not period > 0:
             raise InputError(
                 f"dead_time = {late:g} with sample_time = {period:g}: give both in seconds, none "
                 "of them negative."
             )
-        if log.missing.any():
-            raise InputError(
-                f"{log.source}: {np.count_nonzero(log.missing)} of {log.steps} rows are missing"
-                + (f" ({log.clock})" if log.clock else "")
-                + ", and design needs every row. ",
-                Advice("read_log", (("resample", f"{log.sample_time or 1.0:g}"),),
-                       "Fill them by interpolation with resample={resample}"),
-                "; or cut the log to a part without gaps (log.longest_part()).",
-            )  # fmt: skip
         self.log, self.sample_time = log, sample_time
         self.search = search_of(log.u, log.y, round(late / period) or None)
         if self.search.is_direct:  # the controller reads y of the row before

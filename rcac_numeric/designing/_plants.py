@@ -329,7 +329,7 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
     hold_A, hold_B = _hold_sampled(A, B, fraction)
     hold_C = np.hstack([C, np.zeros((len(C), len(hold_A) - len(A)))])
     design_plant = DesignPlant(hold_A, hold_B, hold_C, whole + steps, (A, B), fraction, h)
-    return _checked(design_plant)
+    return checked_plant(design_plant)
 
 
 def _with_written_dead_time(plant: Any, dead_time: Any) -> tuple[Any, Any]:
@@ -399,7 +399,7 @@ def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> Design
                 "move the copies independently. Give the plant in q, with the dead times in its "
                 "entries."
             )
-    return _checked(design_plant)
+    return checked_plant(design_plant)
 
 
 def _period(sample_time: float | None) -> float:
@@ -455,7 +455,7 @@ def _of_plant(plant: Plant) -> DesignPlant:
     m = plant.l_u
     sign = -1.0 if dict(plant.blocks) == {"r": m, "d": m, "v": m} else 1.0
     design_plant = DesignPlant(plant.A, plant.B, sign * plant.C, sample_time=plant.sample_time)
-    return _checked(design_plant)
+    return checked_plant(design_plant)
 
 
 def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
@@ -467,7 +467,7 @@ def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
             f"dead_time = {late:g} is {late / h:.4g} steps, and of a sampled plant it must be a "
             "whole number; give the plant in s with sample_time."
         )
-    return _checked(replace(plant, delay=plant.delay + whole + steps))
+    return checked_plant(replace(plant, delay=plant.delay + whole + steps))
 
 
 def refuse_states(plant: DesignPlant) -> None:
@@ -481,7 +481,8 @@ def refuse_states(plant: DesignPlant) -> None:
         )
 
 
-def _checked(plant: DesignPlant) -> DesignPlant:
+def checked_plant(plant: DesignPlant) -> DesignPlant:
+    """The plant; raise an error where design cannot take it."""
     if len(plant.A) > MOST_STATES and (plant.later is not None or not plant.is_stable):
         refuse_states(plant)  # before anything is solved for a plant that is not truncated
     if plant.longest * plant.m > LONGEST_DELAY:

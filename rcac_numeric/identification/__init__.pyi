@@ -7,6 +7,7 @@ from ._noise_models import NeweyWest as NeweyWest
 from ._output_error import identify_output_error as identify_output_error
 from ._prediction_error import identify_in_closed_loop as identify_in_closed_loop
 from ._process import identify_process as identify_process
+from ._process_matrix import identify_process_matrix as identify_process_matrix
 from ._recursive_arx import RecursiveARX as RecursiveARX
 from ._recursive_markov import RecursiveMarkov as RecursiveMarkov
 from ._recursive_mu_markov import RecursiveMuMarkov as RecursiveMuMarkov

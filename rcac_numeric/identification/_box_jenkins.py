@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol, TypeVar
 
 import numpy as np
 from scipy.signal import lfilter
@@ -339,18 +340,62 @@ def fitted(
     gradient).
     """
     errors = _Errors(record, start, weights)
-    point = errors.at(errors.confined(start.coefficients))
+    plant = errors.n + errors.m if is_plant_fixed else 0
+    least = minimised(errors, start.coefficients, record.steps, iterations, plant)
+    return None if least is None else _evaluated(record, errors, *least)
+
+
+class Point(Protocol):
+    """Prediction errors at some coefficients."""
+
+    @property
+    def theta(self) -> Array:
+        """The coefficients."""
+
+    @property
+    def e(self) -> Array:
+        """The errors."""
+
+    @property
+    def square(self) -> float:
+        """The sum of their squares."""
+
+    def jacobian(self) -> Array | None:
+        """The derivatives of e; None where they leave float64."""
+
+
+P = TypeVar("P", bound=Point)
+P_co = TypeVar("P_co", bound=Point, covariant=True)
+
+
+class Errors(Protocol[P_co]):
+    """Prediction errors as a function of coefficients."""
+
+    def at(self, theta: Array) -> P_co | None:
+        """The errors there; None where they leave float64."""
+
+    def confined(self, theta: Array) -> Array:
+        """The coefficients with stable filters."""
+
+
+def minimised(
+    errors: Errors[P], theta: Array, steps: int, iterations: int, plant: int = 0
+) -> tuple[P, Array] | None:
+    """The point of least errors from some coefficients, and its derivatives; None if it fails.
+
+    By Levenberg and Marquardt; the first `plant` coefficients are kept.
+    """
+    point = errors.at(errors.confined(theta))
     J = None if point is None else point.jacobian()
     if point is None or J is None:
         return None
-    steps, damping = record.steps, 1e-3
-    plant = errors.n + errors.m
+    damping = 1e-3
     for _ in range(iterations):
         size = np.sqrt(np.einsum("ij,ij->i", J, J))
         size[size == 0] = 1.0
         scaled = J / size[:, None]
         H, slope = scaled @ scaled.T, scaled @ point.e
-        if is_plant_fixed:
+        if plant:
             H[:plant], H[:, :plant], slope[:plant] = 0.0, 0.0, 0.0
             H[:plant, :plant] = np.eye(plant)
         has_settled, better = False, None
@@ -378,7 +423,7 @@ def fitted(
         point, J = better, new
         if has_settled:
             break
-    return _evaluated(record, errors, point, J)
+    return point, J
 
 
 def _evaluated(record: ProcessRecord, errors: _Errors, point: _Point, J: Array) -> ProcessFit:

@@ -39,7 +39,7 @@ class ProcessModel(ScalarModel, Truth):
     Attributes
     ----------
     numerator : array, shape (m,)
-        b_1, ..., b_m of B = b_1 q^-1 + ... + b_m q^-m; with direct feedthrough b_0, ..., b_n.
+        b_1, ..., b_m of B = b_1 q^-1 + ... + b_m q^-m; with direct feedthrough b_0, ..., b_(m-1).
     denominator : array, shape (n + 1,)
         1, a_1, ..., a_n of A.
     delay : int
@@ -286,15 +286,16 @@ def process_model(
     gain_unit = unit_y / unit_u
     late = credible_delays(search, fit)
     delays = [steps for _, steps in late]
+    earlier = int(search.is_direct)
     rivals = [
-        ScalarModel(*_coefficients(search, gain_unit * one.B, one.denominator, one.delay))
+        scalar_model(gain_unit * one.B, one.denominator, one.delay, search.is_direct)
         for one in search.distinct if one is not fit
     ]  # fmt: skip
     rivals += [
-        ScalarModel(*_coefficients(search, gain_unit * B, fit.denominator, steps))
+        scalar_model(gain_unit * B, fit.denominator, steps, search.is_direct)
         for B, steps in late if steps != fit.delay
     ]  # fmt: skip
-    earlier = int(search.is_direct)
+    plain = scalar_model(gain_unit * fit.B, fit.denominator, fit.delay, search.is_direct)
     alike = [fit, *(one for one in search.distinct if one.summed == fit.summed)]
     scale = gain_unit / (period or 1.0) ** fit.summed
     bounds = [_gain_bounds(search, one) for one in alike if one.is_unstable == fit.is_unstable]
@@ -304,24 +305,21 @@ def process_model(
     covariance = parameter_covariance(record, fit) * units * units[:, None]
     y = record.y
     return ProcessModel(
-        *_coefficients(search, gain_unit * fit.B, fit.denominator, fit.delay),
-        (fit.noise.C, fit.noise.D),
+        plain.numerator, plain.denominator, plain.delay, (fit.noise.C, fit.noise.D),
         fit.noise.differences, int(fit.summed), fit.armax, fit.e * unit_y,
         residual_of(record, fit) * unit_y, fit.bic,
         1 - float(np.mean(fit.e**2)) / float(np.var(y)), covariance,
         (interval[0], interval[1]),
         (max(min(delays) - earlier, 0), max(max(delays) - earlier, 0)), tuple(rivals), gates,
-        record.spikes, period,
+        record.spikes, period, is_direct=plain.is_direct,
     )  # fmt: skip
 
 
-def _coefficients(
-    search: ProcessSearch, B: Array, A: Array, delay: int
-) -> tuple[Array, Array, int]:
-    """B, A and the delay of a model; with direct feedthrough B begins at b_0."""
-    if not search.is_direct:
-        return B, A, delay
-    return (np.pad(B, (0, len(A) - len(B))), A, 0) if delay == 0 else (B, A, delay - 1)
+def scalar_model(B: Array, A: Array, delay: int, is_earlier: bool) -> ScalarModel:
+    """A model; where y was paired with the u of the row after, delay 0 is a feedthrough."""
+    if not is_earlier:
+        return ScalarModel(B, A, delay)
+    return ScalarModel(B, A, max(delay - 1, 0), is_direct=delay == 0)
 
 
 def _without_integrators(A: Array, count: int) -> Array:

@@ -104,7 +104,7 @@ def relative_deviation(record: ProcessRecord, fit: ProcessFit, omega: Array) -> 
     slopes = [-(past**k) / A for k in range(1, n + 1)] + [past**k / B for k in range(1, m + 1)]
     by = np.stack(slopes, axis=1)  # d log G
     squares = np.real(np.einsum("wi,ij,wj->w", by, covariance, by.conj()))
-    return np.asarray(np.sqrt(np.maximum(squares, 0) * _inflation(fit.e, omega)))
+    return np.asarray(np.sqrt(np.maximum(squares, 0) * inflation(fit.e, omega)))
 
 
 def parameter_covariance(record: ProcessRecord, fit: ProcessFit) -> Array:
@@ -128,7 +128,7 @@ def variance_of(record: ProcessRecord, fit: ProcessFit) -> float:
     return record.likelihood(fit.e)[2] ** 2 * (DEGREES + 3) / (DEGREES + 1)
 
 
-def _inflation(e: Array, omega: Array) -> Array:
+def inflation(e: Array, omega: Array) -> Array:
     """The spectrum of e over its variance, at least 1."""
     X = np.stack([later(e, k) for k in range(1, COLOUR + 1)])
     a = np.linalg.lstsq(X.T, e, rcond=None)[0]

@@ -98,29 +98,33 @@ class ProcessRecord:
     def part(self, rows: slice) -> ProcessRecord:
         """Some of the steps as a record."""
         u, y = self.u[rows], self.y[rows]
-        return ProcessRecord(u - _at_rest(u), y - y[0], self.units, self.quantum, 0)
+        return ProcessRecord(u - at_rest(u), y - y[0], self.units, self.quantum, 0)
 
     def likelihood(self, e: Array) -> tuple[float, float, float]:
         """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter.
 
         No scale is below that of the rounding of y.
         """
-        floor = self.rounding
-        squares = e * e
-        mean = float(np.mean(squares))
-        variance = max(mean, floor**2, 1e-300)
-        gauss = float(np.log(variance) + mean / variance + GAUSS_CONSTANT)
-        scale = max(float(np.sqrt(np.median(squares))), floor, 1e-150)
-        for _ in range(12):
-            weights = (DEGREES + 1) / (DEGREES + squares / scale**2)
-            scale = max(float(np.sqrt(np.mean(weights * squares))), floor, 1e-150)
-        tails = (DEGREES + 1) * float(np.mean(np.log1p(squares / (DEGREES * scale**2))))
-        return gauss, 2 * float(np.log(scale)) + tails + T_CONSTANT, scale
+        return likelihood_of(e, self.rounding)
 
     def weights(self, e: Array) -> Array:
         """The square roots of the weights by which least squares have Student's likelihood."""
         scale = self.likelihood(e)[2]
         return np.sqrt((DEGREES + 1) / (DEGREES + (e / scale) ** 2))
+
+
+def likelihood_of(e: Array, floor: float) -> tuple[float, float, float]:
+    """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter."""
+    squares = e * e
+    mean = float(np.mean(squares))
+    variance = max(mean, floor**2, 1e-300)
+    gauss = float(np.log(variance) + mean / variance + GAUSS_CONSTANT)
+    scale = max(float(np.sqrt(np.median(squares))), floor, 1e-150)
+    for _ in range(12):
+        weights = (DEGREES + 1) / (DEGREES + squares / scale**2)
+        scale = max(float(np.sqrt(np.mean(weights * squares))), floor, 1e-150)
+    tails = (DEGREES + 1) * float(np.mean(np.log1p(squares / (DEGREES * scale**2))))
+    return gauss, 2 * float(np.log(scale)) + tails + T_CONSTANT, scale
 
 
 def process_record(u: ArrayLike, y: ArrayLike) -> ProcessRecord:
@@ -139,26 +143,26 @@ def process_record(u: ArrayLike, y: ArrayLike) -> ProcessRecord:
         )
     if not np.ptp(output) > 0:
         raise InputError("y is constant: the record does not show the plant.")
-    cleaned, spikes = _without_spikes(output)
-    moved = control - _at_rest(control)
+    cleaned, spikes = without_spikes(output)
+    moved = control - at_rest(control)
     unit_u = float(np.std(moved))
     unit_y = float(np.std(np.diff(cleaned))) or float(np.std(cleaned))
     scaled = (cleaned - cleaned[0]) / unit_y
-    return ProcessRecord(moved / unit_u, scaled, (unit_u, unit_y), _quantum(scaled), spikes)
+    return ProcessRecord(moved / unit_u, scaled, (unit_u, unit_y), quantum_of(scaled), spikes)
 
 
-def _at_rest(u: Array) -> float:
+def at_rest(u: Array) -> float:
     """The value of u from which it is counted: its first ones if they are equal, else the mean."""
     return float(u[0] if np.ptp(u[:REST]) == 0 else u.mean())
 
 
-def _quantum(y: Array) -> float:
+def quantum_of(y: Array) -> float:
     """The step by which y is rounded; 0 where it is not visible."""
     sizes = np.unique(np.round(np.abs(np.diff(y)), 9))
     return float(sizes[sizes > 0][0]) if 1 < len(sizes) < len(y) / 6 else 0.0
 
 
-def _without_spikes(y: Array) -> tuple[Array, int]:
+def without_spikes(y: Array) -> tuple[Array, int]:
     """Y with single spikes replaced by the mean of their neighbours, and how many there are."""
     size = float(np.std(y))
     bend = np.zeros(len(y))

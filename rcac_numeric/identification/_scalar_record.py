@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,11 +22,12 @@ Shape = tuple[int, int, int]  # order, delay and number of integrators of a mode
 
 @dataclass(frozen=True, eq=False)
 class ScalarModel(Value):
-    """The map q^-delay B(q)/A(q) from u to y, strictly proper unless B has n + 1 coefficients."""
+    """The map q^-delay B/A from u to y: B = b_1 q^-1 + ..., and b_0 + b_1 q^-1 + ... if direct."""
 
     numerator: Array
     denominator: Array
     delay: int
+    is_direct: bool = field(default=False, kw_only=True)
 
     @property
     def order(self) -> int:
@@ -34,14 +35,11 @@ class ScalarModel(Value):
         return len(self.denominator) - 1
 
     @property
-    def is_direct(self) -> bool:
-        """Whether y(k) responds to u(k): B = b_0 + b_1 q^-1 + ... + b_n q^-n."""
-        return len(self.numerator) == len(self.denominator)
-
-    @property
     def transfer_function(self) -> tuple[Array, Array]:
         """Coefficients of B and A in descending powers of q, without the delay."""
-        return self.numerator, self.denominator
+        order = max(self.order, len(self.numerator) - self.is_direct)
+        B = np.pad(self.numerator, (0, order + self.is_direct - len(self.numerator)))
+        return B, np.pad(self.denominator, (0, order - self.order))
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from rcac_numeric.designing._design import ADAPTED, Design, Recommendation, compared
 from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
+from rcac_numeric.identification._process_matrix import ProcessMatrix
 from rcac_numeric.reports._loop import poles_reached
 from rcac_numeric.reports._sheet import (
     Block,
@@ -112,8 +113,15 @@ def _verdict(design: Design) -> Section:
         record["certified"] = {"plants": members, "reason": reason}
     if design.logged is not None:
         model = design.logged.model
-        record["log"] = {
-            "gates": [asdict(gate) for gate in model.gates],
+        record["log"] = {"gates": [asdict(gate) for gate in model.gates]}
+        if isinstance(model, ProcessMatrix):
+            record["log"] |= {
+                "gains": [list(row) for row in model.gain.tolist()],
+                "delays": [list(row) for row in model.delays],
+                "assumptions": list(model.assumptions),
+            }
+            return Section(record={"verdict": record})
+        record["log"] |= {
             "gain_interval": list(model.gain_interval),
             "delay_interval": list(model.delay_interval),
             "poles": [[pole.real, pole.imag] for pole in model.poles],

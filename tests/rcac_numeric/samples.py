@@ -16,6 +16,7 @@ from rcac_numeric.checks._convention_search import search_conventions
 from rcac_numeric.checks._conventions import OURS
 from rcac_numeric.checks._replays import Replayer
 from rcac_numeric.designing._logs import plant_from_log
+from rcac_numeric.designing._matrix_logs import MatrixLogSearch
 from rcac_numeric.signals._clock import clock_of
 from rcac_numeric.signals._signal import Scaled, Sum
 from tests.support.equality import SEEDS
@@ -147,6 +148,12 @@ def stepped(seed):
     """A step of u, and the y of a lag with noise."""
     u = np.repeat([0.0, 1.0], (20, 100))
     return u, lfilter([0, 0, 0.1], [1, -0.9], u) + 0.01 * random(seed, 120)
+
+
+def logged_matrix(log):
+    """The plant of two experiments."""
+    search = MatrixLogSearch([log, log], None, 0.0)
+    return search.logged(search.search.best)
 
 
 def bounds(seed):
@@ -423,6 +430,8 @@ SAMPLES = {
         *answered(seed), orders=(1,), delays=(0,)
     ),
     results.ProcessModel: lambda seed: identification.identify_process(*answered(seed)),
+    results.ProcessMatrix: lambda seed: identification.identify_process_matrix(*answered(seed)),
+    results.LoggedMatrix: lambda seed: logged_matrix(rcac.ControllerLog(*answered(seed))),
     results.Gate: lambda seed: identification.identify_process(*answered(seed)).gates[0],
     results.StepResponse: lambda seed: identification.identify_step_response(*stepped(seed)),
     results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(

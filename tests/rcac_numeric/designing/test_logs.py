@@ -14,6 +14,7 @@ from compensator_theory.errors import (
     UndecidedError,
 )
 from rcac_numeric.arrays._values import equal
+from rcac_numeric.designing._design import _basis_of_log, _DesignOptions
 from rcac_numeric.designing._logs import PARTS, LogSearch, plant_from_log
 from rcac_numeric.designing._plants import read_plant
 from rcac_numeric.designing._reference import WeightGrid, sensitivity_peak
@@ -255,3 +256,69 @@ def test_the_gain_of_a_part_is_not_that_of_a_pole_and_a_zero_that_all_but_cancel
     shown = plant_from_log(log_of(400, noise=0.0))
     (gain,) = replace(shown, plant=whole, parts=(part,)).gains
     assert gain == pytest.approx(1.0, abs=0.02)
+
+
+def two_inputs(seed, steps=700, gain=1.0):
+    """Two inputs and outputs, diagonally dominant, with an offset."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.choice([-1.0, 1.0], (steps // 8 + 1, 2)), 8, axis=0)[:steps]
+    u[:12] = 0.0
+    y = np.stack([
+        lfilter([0, 0, 0, gain * 0.3], [1, -0.8], u[:, 0]) + lfilter([0, 0.05], [1, -0.9], u[:, 1]),
+        lfilter([0, 0.03], [1, -0.95], u[:, 0]) + lfilter([0, 0, -0.2], [1, -0.9], u[:, 1]),
+    ], 1)  # fmt: skip
+    return u, y + 0.05 * rng.standard_normal((steps, 2)) + [20.0, -3.0]
+
+
+PLANT_OF_TWO = [["0.3/(q**2*(q - 0.8))", "0.05/(q - 0.9)"],
+                ["0.03/(q - 0.95)", "-0.2/(q*(q - 0.9))"]]  # fmt: skip
+
+
+@pytest.mark.costly
+def test_a_frame_of_two_inputs_and_outputs_with_gaps_has_a_controller():
+    pandas = pytest.importorskip("pandas")
+    u, y = two_inputs(1)
+    times = pandas.date_range("2024-01-01", periods=len(u), freq="60s")
+    frame = pandas.DataFrame(np.hstack([u, y]), times, ["a", "b", "T1", "T2"])
+    frame = frame[np.random.default_rng(1).random(len(frame)) > 0.1]
+    log = rn.read_log(frame, {"u": ["a", "b"], "y": ["T1", "T2"]})
+    designed = rn.design(log, **QUICK)
+    model = designed.logged.model
+    assert designed.model.sample_time == 60.0 and np.isnan(log.u).any()
+    assert np.abs(model.gain / [[1.5, 0.5], [0.6, -2.0]] - 1).max() < 0.3
+    assert not model.failed and any("missing" in one for one in model.assumptions)
+    true = read_plant(PLANT_OF_TWO, None, 0)
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), designed.fixed.compensator)) < 2.5
+    record = designed._sheet().sections[0].record["verdict"]["log"]
+    assert record["delays"] == [list(row) for row in model.delays] and record["assumptions"]
+
+
+@pytest.mark.costly
+def test_experiments_of_one_plant_are_joined_and_of_two_plants_refused():
+    logs = [rn.ControllerLog(*two_inputs(seed)) for seed in (1, 2)]
+    options = _DesignOptions("unknown", None, None, None, None, None, False)
+    basis = _basis_of_log(logs, None, 0.0, options)
+    assert len(basis.logged.parts) == 2 and min(basis.logged.gains) > 0.8
+    other = rn.ControllerLog(*two_inputs(2, gain=-1.0))
+    with pytest.raises(UndecidedError, match="parts"):
+        _basis_of_log([logs[0], logs[0], other], None, 0.0, options)
+    narrow = rn.ControllerLog(logs[0].u[:, 0], logs[0].y[:, 0])
+    with pytest.raises(InputError, match="the same signals"):
+        rn.design([logs[0], narrow])
+    slow, fast = (rn.ControllerLog(*two_inputs(1), sample_time=h) for h in (1.0, 2.0))
+    with pytest.raises(InputError, match="must have the same"):
+        rn.design([slow, fast])
+    with pytest.raises(InputError, match="Leave it out"):
+        rn.design(logs, dead_time=2.0)
+
+
+@pytest.mark.costly
+def test_a_scalar_log_with_gaps_has_a_controller():
+    log = log_of()
+    lost = np.random.default_rng(3).random(log.steps) < 0.1
+    u, y = (np.where(lost[:, None], np.nan, one) for one in (log.u, log.y))
+    options = _DesignOptions("unknown", None, None, None, None, None, False)
+    basis = _basis_of_log(rn.ControllerLog(u, y, has_gaps=True), 0.5, 0.0, options)
+    true = read_plant(TRUE, None, 2)
+    loop = rn.ClosedLoop(true.servo(), basis.reference.compensator)
+    assert sensitivity_peak(loop) < 2.5 and not basis.logged.model.failed

@@ -273,6 +273,7 @@ def test_direct_feedthrough_is_part_of_the_model(kind):
     assert abs(top / bottom / ((0.5 + 0.2 / z) / (1 - 0.8 / z)) - 1) < 0.05
     with pytest.raises(InputError, match=r"y\(k\) responds to u\(k\)"):
         identify_process(u, y, delay=0)
+    assert not identify_process(u[1:], y[:-1]).is_direct
     search = search_of(u[1:], y[:-1], None)
     gate = feedthrough_gate(search, search.fits[0])
     assert gate.passed and gate.limit == ODDS and KNOWN < 1 and not search.is_direct

@@ -1,0 +1,410 @@
+"""A plant model of several inputs and outputs from logs, experiments and gaps, and its evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from compensator_theory.errors import InputError, UndecidedError
+from rcac_numeric.analysis._closed_loop import frozen_loop
+from rcac_numeric.analysis._peaks import responses_of
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._validation import number
+from rcac_numeric.arrays._values import Result
+from rcac_numeric.checks._logs import ControllerLog
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.designing._log_gates import LOW as BELOW
+from rcac_numeric.designing._log_gates import ROBUST as MOST_PEAK
+from rcac_numeric.designing._logs import LogSearch
+from rcac_numeric.designing._plants import (
+    LOW,
+    MOST_SIGNALS,
+    DesignPlant,
+    Uncertainty,
+    balanced,
+    checked_plant,
+)
+from rcac_numeric.designing._reference import loop_radius, sensitivity_peak
+from rcac_numeric.identification._joint_evidence import (
+    channel_delays,
+    effect_gates,
+    joint_parts,
+    response_slopes,
+    sign_of,
+)
+from rcac_numeric.identification._joint_fits import JointFit, joint_covariance, joint_residual
+from rcac_numeric.identification._process_evidence import KNOWN, OMEGA, Gate, inflation
+from rcac_numeric.identification._process_matrix import (
+    MatrixSearch,
+    ProcessMatrix,
+    is_controlled,
+    matrix_search,
+    process_matrix,
+)
+
+TRIED = 4  # combinations of credible models for which a controller is designed
+DRAWS = 40  # models drawn from the covariance
+SEED = 49
+ROBUST = 4.0  # Ms of the reference loop with the model of a part
+
+
+@dataclass(frozen=True, eq=False)
+class LoggedMatrix(Result):
+    """A plant model of several inputs and outputs from logs, with its evidence.
+
+    Attributes
+    ----------
+    plant : DesignPlant
+    model : ProcessMatrix
+    parts : tuple of DesignPlant
+        The model fitted again to each experiment, or to halves of the only one.
+    noise : float
+        Standard deviation of the white part of the residuals at most, in units of y; the root mean
+        square of the outputs.
+    disturbance : float
+        Size of the remainder, in units of u.
+    u : (float, float)
+        The least and the largest control of the logs.
+    is_closed : bool
+        Whether a log is from a closed loop: its command moves, or y predicts u.
+    """
+
+    plant: DesignPlant
+    model: ProcessMatrix
+    parts: tuple[DesignPlant, ...]
+    noise: float
+    disturbance: float
+    u: tuple[float, float]
+    is_closed: bool = False
+
+    @property
+    def gains(self) -> tuple[float, ...]:
+        """Gain of each part over that of the whole, in the direction of the weakest singular value.
+
+        At 0.02 rad/step; negative where the direction is turned.
+        """
+        whole = self.plant.response(LOW)[0]
+        ratios = []
+        for part in self.parts:
+            values = np.linalg.eigvals(np.linalg.solve(whole, part.response(LOW)[0]))
+            ratios += [float(np.copysign(abs(one), one.real)) for one in values]
+        return tuple(ratios)
+
+    @property
+    def integrates(self) -> bool:
+        """False: a pole that the log cannot distinguish from 1 has a rival with a pole at 1."""
+        return False
+
+    @property
+    def uncertainty(self) -> Uncertainty:
+        """The default uncertainty, with the range of gains of the parts."""
+        usual = Uncertainty()
+        gains = [one for one in self.gains if one > 0] or [1.0]
+        low, high = usual.gain
+        return Uncertainty(gain=(min(low, *gains), max(high, *gains)))
+
+    def stable_parts(self, compensator: Compensator) -> int:
+        """The number of parts whose loop with a controller is stable with Ms < 4."""
+        peaks = [sensitivity_peak(frozen_loop(part.servo(), compensator, 0)) for part in self.parts]
+        return sum(peak < ROBUST for peak in peaks)
+
+    @property
+    def evidence(self) -> str:
+        """The gates that were passed, and what was assumed."""
+        names = ", ".join(gate.name for gate in self.model.gates if gate.passed)
+        return "; ".join([f"gates passed: {names}", *self.model.assumptions])
+
+
+def joined_logs(logs: Sequence[ControllerLog]) -> tuple[Array, Array, tuple[int, ...]]:
+    """Concatenate u and y of logs, with the number of steps of each."""
+    first = logs[0]
+    for log in logs[1:]:
+        if log.u.shape[1] != first.u.shape[1] or log.y.shape[1] != first.y.shape[1]:
+            raise InputError(
+                f"{log.source} has {log.u.shape[1]} controls and {log.y.shape[1]} measurements, "
+                f"{first.source} {first.u.shape[1]} and {first.y.shape[1]}: experiments must be of "
+                "the same signals."
+            )
+        one, other = log.sample_time, first.sample_time
+        if one is not None and other is not None and abs(one - other) > 1e-6 * other:
+            raise InputError(
+                f"{log.source} has sample_time = {one:g}, {first.source} {other:g}: experiments "
+                "must have the same. read_log(..., resample=...) brings them to one."
+            )
+    return (
+        np.concatenate([log.u for log in logs]), np.concatenate([log.y for log in logs]),
+        tuple(log.steps for log in logs),
+    )  # fmt: skip
+
+
+class MatrixLogSearch:
+    """The models of logs in the order in which controllers are designed for them.
+
+    Parameters
+    ----------
+    logs : sequence of ControllerLog
+        One for each experiment.
+    sample_time : float, optional
+    dead_time : float
+        0: every entry has a dead time of its own, which is fitted.
+    """
+
+    def __init__(
+        self, logs: Sequence[ControllerLog], sample_time: float | None, dead_time: float
+    ) -> None:
+        u, y, experiments = joined_logs(logs)
+        if u.shape[1] != y.shape[1] or u.shape[1] > MOST_SIGNALS:
+            raise InputError(
+                f"{logs[0].source} has {u.shape[1]} controls and {y.shape[1]} measurements; design "
+                f"takes as many controls as measurements, {MOST_SIGNALS} at most. Leave signals "
+                "out; identification.identify_process_matrix takes any numbers of them."
+            )
+        if number(dead_time, "dead_time"):
+            raise InputError(
+                "dead_time is for one log of one input and output without gaps; here every entry "
+                "has a dead time of its own. Leave it out."
+            )
+        self.sample_time, self.source = sample_time, logs[0].source
+        if len(logs) > 1:
+            self.source = f"{len(logs)} logs"
+        self.search = matrix_search(u, y, experiments)
+        has_command = any(log.r is not None and bool(np.nanmax(np.ptp(log.r, axis=0)) > 0)
+                          for log in logs)  # fmt: skip
+        self.is_closed = has_command or any(
+            is_controlled(one.record, j) for one in self.search.searches
+            for j in range(len(one.record.u))
+        )  # fmt: skip
+        self.range = float(np.nanmin(u)), float(np.nanmax(u))
+
+    def candidates(self) -> Iterator[tuple[JointFit, ...]]:
+        """The best model of each output; then with the next credible one of each in turn."""
+        best = self.search.best
+        yield best
+        for rank in range(1, TRIED):
+            for i, one in enumerate(self.search.searches):
+                others = one.distinct
+                if rank < len(others):
+                    yield (*best[:i], others[rank], *best[i + 1 :])
+
+    def first_gates(self, fits: tuple[JointFit, ...]) -> tuple[Gate, ...]:
+        """The gates that ask for no controller."""
+        with np.errstate(all="ignore"):
+            return tuple(
+                gate
+                for i, (one, fit) in enumerate(zip(self.search.searches, fits, strict=True))
+                for gate in effect_gates(one, fit, i, self.search.names)
+            )
+
+    def plant(self, fits: Sequence[JointFit]) -> DesignPlant:
+        """The plant of a model of each output."""
+        return matrix_plant(self.search, fits, self.sample_time)
+
+    def logged(self, fits: tuple[JointFit, ...], gates: tuple[Gate, ...] = ()) -> LoggedMatrix:
+        """The plant of a model of each output, its parts and its disturbances."""
+        search = self.search
+        model = process_matrix(search, fits, gates, self.sample_time)
+        plant = checked_plant(self.plant(fits))
+        sizes = []
+        for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True)):
+            e = joint_residual(one.record, fit) * one.record.unit_y
+            noise = min(float(np.std(np.diff(e)) / np.sqrt(2)), float(np.std(e)))
+            rest = float(np.sqrt(max(float(np.var(e)) - noise**2, 0.0)))
+            gain = float(np.linalg.norm(plant.response(LOW)[0, i]))
+            sizes.append((noise, max(rest, noise) / gain))
+        noise, size = (float(np.sqrt(np.mean(np.square(one)))) for one in zip(*sizes, strict=True))
+        parts = tuple(self.plant([part[i] for i in range(len(fits))]) for part in self.parts(fits))
+        return LoggedMatrix(plant, model, parts, noise, size, self.range, self.is_closed)
+
+    def parts(self, fits: tuple[JointFit, ...]) -> list[tuple[JointFit, ...]]:
+        """The models fitted to each experiment or half, where it knows their gains."""
+        by_part: dict[int, list[JointFit]] = {}
+        for i, (one, fit) in enumerate(zip(self.search.searches, fits, strict=True)):
+            with np.errstate(all="ignore"):
+                for k, again in joint_parts(one, fit):
+                    models = by_part.setdefault(k, list(fits))
+                    models[i] = merged(fit, again)
+        return [tuple(one) for _, one in sorted(by_part.items())]
+
+    def judged(
+        self, fits: tuple[JointFit, ...], logged: LoggedMatrix, G_c: Compensator, peak: float
+    ) -> LoggedMatrix:
+        """The plant with the gates of its controller beside the others."""
+        with np.errstate(all="ignore"):
+            gates = self._controller_gates(fits, logged, G_c, peak)
+        return replace(logged, model=replace(logged.model, gates=(*logged.model.gates, *gates)))
+
+    def _controller_gates(
+        self, fits: tuple[JointFit, ...], logged: LoggedMatrix, G_c: Compensator, peak: float
+    ) -> tuple[Gate, ...]:
+        search, m = self.search, logged.plant.m
+        of_e = Compensator(G_c.past_u, G_c.past_y[:, :, :m], G_c.sample_time)
+        parts = of_e.state_space()
+        K = responses_of(parts, OMEGA)
+        L = logged.plant.response(OMEGA) @ K
+        above = np.nonzero(np.linalg.svd(L, compute_uv=False)[:, 0] > 1)[0]
+        crossover = float(OMEGA[above[-1]] if len(above) else 0.01)
+        # det(I + (G + Delta) K) = det(I + G K) det(I + Delta M), M = K (I + G K)^-1.
+        M = K @ np.linalg.inv(np.eye(m) + L)
+        variance = np.zeros(len(OMEGA))
+        for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True)):
+            covariance = joint_covariance(one.record, fit)
+            by = sum(
+                M[:, channel.input, i, None] * search.gain_unit(i, channel.input) * slopes
+                for channel, slopes in response_slopes(fit, OMEGA)
+            )
+            grown = inflation(fit.e, OMEGA)
+            variance += np.real(np.einsum("wi,ij,wj->w", by, covariance, np.conj(by))) * grown
+        integrates = any(channel.summed for fit in fits for channel in fit.channels)
+        counts = (crossover / BELOW if integrates else 0.0) < OMEGA
+        worst = float(np.sqrt(np.maximum(variance[counts], 0.0)).max())
+        gain = Gate(
+            "gain", worst < KNOWN, worst, KNOWN,
+            f"largest standard deviation of trace(dG K (I + G K)^-1): {worst:.2g}, at most "
+            f"{KNOWN:.2g} is allowed",
+            "The gains around the crossover are not known well enough: excite u more, or record "
+            "longer.",
+        )  # fmt: skip
+        names = search.names
+        signs = tuple(
+            sign_of(one, channel, crossover / BELOW, names.u(channel.input), names.y(i))
+            for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True))
+            for channel in fit.channels
+        )
+        robust = Gate(
+            "robustness", peak <= MOST_PEAK, peak, MOST_PEAK,
+            f"Ms = {peak:.3g} of the fixed controller with the model, at most {MOST_PEAK:.3g} is "
+            "allowed",
+            "No controller of the weight grid is robust for this model: sample more slowly.",
+        )  # fmt: skip
+
+        def lost(models: Sequence[Sequence[JointFit]]) -> int:
+            return sum(not loop_radius(self.plant(one).servo(), parts) < 1 for one in models)
+
+        rivals, drawn, of_parts = self._rivals(fits), self._drawn(fits), self.parts(fits)
+        count = [lost(rivals), lost(drawn), lost(of_parts)]
+        return (
+            gain, *signs,
+            Gate(
+                "rivals", not count[0], float(count[0]), 0.0,
+                f"the fixed controller stabilises {len(rivals) - count[0]} of {len(rivals)} "
+                "credible models and delays",
+                "Several plants fit the record and need different controllers: excite u more, or "
+                "record longer.",
+            ),
+            Gate(
+                "draws", not count[1], float(count[1]), 0.0,
+                f"the fixed controller stabilises {len(drawn) - count[1]} of {len(drawn)} models "
+                "drawn from the covariance, with twice the standard deviation",
+                "The gains around the crossover are not known well enough: excite u more, or "
+                "record longer.",
+            ),
+            Gate(
+                "parts", not count[2], float(count[2]), 0.0,
+                f"the fixed controller stabilises the models of {len(of_parts) - count[2]} of the "
+                f"{len(of_parts)} experiments or halves that determine one",
+                "The plant differs between the experiments, or is not linear: design for each.",
+            ),
+            robust,
+        )  # fmt: skip
+
+    def _rivals(self, fits: tuple[JointFit, ...]) -> list[tuple[JointFit, ...]]:
+        """The models with another credible one, or another delay, of one output."""
+        rivals = []
+        for i, (one, fit) in enumerate(zip(self.search.searches, fits, strict=True)):
+            others = [other for other in one.distinct if other is not fit]
+            for channel in fit.channels:
+                for moved in channel_delays(one, fit, channel):
+                    if moved.delay != channel.delay:
+                        channels = tuple(moved if old is channel else old for old in fit.channels)
+                        others.append(replace(fit, channels=channels))
+            rivals += [(*fits[:i], other, *fits[i + 1 :]) for other in others]
+        return rivals
+
+    def _drawn(self, fits: tuple[JointFit, ...]) -> list[tuple[JointFit, ...]]:
+        """Models drawn from the covariances, with twice the standard deviation."""
+        rng, draws = np.random.default_rng(SEED), []
+        roots = []
+        for one, fit in zip(self.search.searches, fits, strict=True):
+            values, vectors = np.linalg.eigh(joint_covariance(one.record, fit))
+            roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
+        for _ in range(DRAWS):
+            models = []
+            for fit, root in zip(fits, roots, strict=True):
+                step, channels = 2 * root @ rng.standard_normal(len(root)), []
+                for channel, place in zip(fit.channels, fit.places, strict=True):
+                    n = channel.order
+                    moved = step[place]
+                    channels.append(replace(
+                        channel, A=channel.A + np.r_[0.0, moved[:n]], B=channel.B + moved[n:]
+                    ))  # fmt: skip
+                models.append(replace(fit, channels=tuple(channels)))
+            draws.append(tuple(models))
+        return draws
+
+    def undecided(self, gates: tuple[Gate, ...]) -> UndecidedError:
+        """The error for logs of which gates failed."""
+        failed = [gate for gate in gates if not gate.passed]
+        words = "; ".join(f"{gate.name}: {gate.words}" for gate in failed)
+        return UndecidedError(
+            f"{self.source} does not determine the plant well enough for a controller. Failed: "
+            f"{words}. {failed[0].advice}"
+        )
+
+
+def search_of_logs(
+    plant: ControllerLog | Sequence[ControllerLog], sample_time: float | None, dead_time: float
+) -> LogSearch | MatrixLogSearch:
+    """The models of a log, or of several; all of a scalar one without gaps, unstable ones too."""
+    logs = [plant] if isinstance(plant, ControllerLog) else list(plant)
+    if sample_time is None:
+        sample_time = next((log.sample_time for log in logs if log.sample_time), None)
+    is_scalar = len(logs) == 1 and logs[0].u.shape[1] == logs[0].y.shape[1] == 1
+    if is_scalar and not (np.isnan(logs[0].u) | np.isnan(logs[0].y)).any():
+        return LogSearch(logs[0], sample_time, dead_time)
+    return MatrixLogSearch(logs, sample_time, dead_time)
+
+
+def merged(fit: JointFit, part: JointFit) -> JointFit:
+    """A fit with the channels of a part in place of its own."""
+    channels = tuple(part.channel(one.input) or one for one in fit.channels)
+    return replace(fit, channels=channels)
+
+
+def matrix_plant(
+    search: MatrixSearch, fits: Sequence[JointFit], sample_time: float | None
+) -> DesignPlant:
+    """The plant of a model of each output: states for each entry, a common integrator a row."""
+    m = len(search.inputs.u)
+    blocks, inputs, delays, rows, feeds = [], [], [], [], []
+    for i, fit in enumerate(fits):
+        for one in fit.channels:
+            n = max(one.order, len(one.B))
+            a = np.eye(n, k=-1)
+            a[0] = -np.pad(one.A[1:], (0, n - one.order))
+            blocks.append(a)
+            inputs.append(one.input)
+            delays.append(one.delay)
+            rows.append((i, search.gain_unit(i, one.input) * np.pad(one.B, (0, n - len(one.B)))))
+            feeds.append(one.summed)
+    sums = [i for i, fit in enumerate(fits) if any(one.summed for one in fit.channels)]
+    states = sum(len(a) for a in blocks)
+    A = np.zeros((states + len(sums), states + len(sums)))
+    B, C = np.zeros((len(A), m)), np.zeros((len(fits), len(A)))
+    late, at = np.full((len(A), m), min(delays)), 0
+    for a, j, delay, (i, c), is_summed in zip(blocks, inputs, delays, rows, feeds, strict=True):
+        place = slice(at, at + len(a))
+        A[place, place], B[at, j], C[i, place] = a, 1.0, c
+        late[place] = delay
+        if is_summed:
+            A[states + sums.index(i), place] = c
+        at += len(a)
+    for k, i in enumerate(sums):
+        A[states + k, states + k] = C[i, states + k] = 1.0
+    A, B, C = balanced(A, B, C)
+    later = late - min(delays)
+    return DesignPlant(
+        A, B, C, int(min(delays)), sample_time=sample_time,
+        later=later.astype(np.int64) if later.any() else None,
+    )  # fmt: skip

@@ -1,0 +1,372 @@
+"""The search for models of one output and several inputs: starts, orders, delays, noise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.identification._box_jenkins import ONE, NoiseModel, noise_start
+from rcac_numeric.identification._delay_scan import (
+    LONGEST,
+    SHORTEST,
+    TIME_CONSTANTS,
+    WHITENERS,
+    DelayScan,
+    delay_scan,
+)
+from rcac_numeric.identification._joint_fits import (
+    Channel,
+    JointFit,
+    JointStart,
+    joint_disturbance,
+    joint_fit,
+    reweighted,
+)
+from rcac_numeric.identification._joint_records import JointRecord
+from rcac_numeric.identification._process_search import (
+    MOST_STEPS,
+    NOISES,
+    NOTCH,
+    ODDS,
+    PEAK,
+    RICHER,
+    RING,
+    SHORT,
+    SLOW,
+    USUAL,
+    WORSE,
+)
+from rcac_numeric.identification._scalar_record import SHARE, integrated_share
+
+SWEEPS = 3  # over the inputs, in a start
+MOST_ORDER = 3  # of a channel
+EXTENSIONS = 8  # of the best model
+KEPT = 6  # models that are refined
+
+
+def joint_costs(record: JointRecord) -> Array:
+    """What each delay adds to the criterion."""
+    most = max(min(MOST_STEPS, record.longest // 6), 2)
+    return np.where(np.arange(most) < USUAL, 0.0, ODDS)
+
+
+def channel_scan(
+    record: JointRecord, j: int, candidates: Sequence[Array], others: Sequence[Channel],
+    noise: NoiseModel, *, count: int, delays: int, slope: bool = False, summed: bool = False,
+) -> DelayScan:  # fmt: skip
+    """All delays of one input for some poles, the numerators of the other inputs free beside.
+
+    Missing steps of y are interpolated and do not count.
+    """
+    top, below = noise.whitener, noise.C
+    impulse = np.zeros(record.steps)
+    impulse[list(record.starts)] = 1.0
+    has_slope = slope or summed or any(one.summed for one in others)
+    u = record.summed(record.u[j]) if summed else record.u[j]
+    levels = [np.ones(record.steps)]
+    if has_slope:
+        levels.append(np.concatenate([np.linspace(0, 1, p.stop - p.start) for p in record.parts]))
+    plain = record.filtered(top, below, np.stack([record.y, *levels]))
+    columns = []
+    for one in others:
+        driven = record.filtered(top, np.convolve(below, one.A), one.driver(record))
+        columns += [record.later(driven, k) for k in range(1, len(one.B) + 1)]
+    free_of_all = [_by_part(record, row) for row in plain[1:]]
+    driven_u, free = [], []
+    for A in candidates:
+        both = record.filtered(top, np.convolve(below, A), np.stack([u, impulse]))
+        driven_u.append(both[0])
+        states = [_by_part(record, record.later(both[1], k)) for k in range(len(A) - 1)]
+        free.append(np.concatenate([*free_of_all, *states, *(one[None] for one in columns)]))
+    widest = max(len(one) for one in free)
+    rows = np.stack([np.pad(one, ((0, widest - len(one)), (0, 0))) for one in free])
+    gap = delays + count
+    weights = None
+    if len(record.starts) > 1 or not record.observed.all():
+        weights = record.separated(record.observed.astype(np.float64), gap)
+    y = record.separated(plain[0], gap)
+    rows, driven = record.separated(rows, gap), record.separated(np.stack(driven_u), gap)
+    if weights is not None:
+        y, rows = y * weights, rows * weights
+    return delay_scan(y, driven, rows, count, delays, weights)
+
+
+def _by_part(record: JointRecord, row: Array) -> Array:
+    """A row for each part, 0 in the others."""
+    if len(record.starts) == 1:
+        return row[None]
+    rows = np.zeros((len(record.starts), record.steps))
+    for i, part in enumerate(record.parts):
+        rows[i, part] = row[part]
+    return rows
+
+
+class JointSearch:
+    """The models of one output, in the order of their BIC.
+
+    Parameters
+    ----------
+    record : JointRecord
+    inputs : sequence of int
+        Those that may have an effect.
+    """
+
+    def __init__(self, record: JointRecord, inputs: Sequence[int]) -> None:
+        self.record, self.inputs = record, tuple(inputs)
+        self.costs = joint_costs(record)
+        self.fits: list[JointFit] = []
+        self._begin()
+        if self.fits and any(record.after_gaps):
+            best = self.fits[0]
+            lost = max(one.delay + len(one.B) for one in best.channels)
+            self.record = record.without_past(lost)
+            starts = [one.start for one in self.fits[: 2 * KEPT]]
+            self.fits = []
+            for start in starts:
+                self.fit(start)
+            self._rank()
+        self._grow()
+        self._noise()
+        self._reduce()
+        self._robust()
+        self._rank()
+
+    @property
+    def delays(self) -> int:
+        """The number of delays that are tried."""
+        return len(self.costs)
+
+    @property
+    def distinct(self) -> list[JointFit]:
+        """The credible models, of each kind the best."""
+        kinds: dict[tuple[object, ...], JointFit] = {}
+        for fit in self.fits:
+            if self.credible(fit):
+                kinds.setdefault(fit.key, fit)
+        return list(kinds.values())
+
+    def credible(self, fit: JointFit) -> bool:
+        """Whether the odds against a model are below one to ten thousand."""
+        return fit.bic <= self.fits[0].bic + ODDS
+
+    def fit(self, start: JointStart, iterations: int = 25) -> JointFit | None:
+        """A fit, which is kept."""
+        fit = joint_fit(self.record, start, iterations=iterations)
+        if fit is None:
+            return None
+        fit = self._priced(fit)
+        self.fits.append(fit)
+        return fit
+
+    def _priced(self, fit: JointFit) -> JointFit:
+        cost = sum(
+            float(self.costs[one.delay]) if one.delay < self.delays else ODDS
+            for one in fit.channels
+        )
+        return replace(fit, bic=fit.bic + cost) if cost else fit
+
+    def _rank(self) -> None:
+        self.fits = [
+            one for one in self.fits
+            if all(not c.summed or integrated_share(c.A, c.B) > SHARE for c in one.channels)
+        ]  # fmt: skip
+        self.fits.sort(key=_bic)
+
+    def _begin(self) -> None:
+        """From each whitener the poles and delays of all inputs in turn, then short fits."""
+        record, short = self.record, []
+        grid = np.exp(-1 / np.geomspace(
+            SHORTEST, max(10.0, min(record.longest / 4, LONGEST)), TIME_CONSTANTS
+        ))  # fmt: skip
+        candidates: list[Array] = [
+            np.poly(poles).astype(np.float64) for a in grid for poles in ([a], [a, a**2])
+        ]
+        for D, differences in WHITENERS:
+            noise = NoiseModel(ONE, D, differences)
+            channels = dict[int, Channel]()
+            for sweep in range(SWEEPS if len(self.inputs) > 1 else 1):
+                before = {j: one.key for j, one in channels.items()}
+                for j in self.inputs:
+                    others = [one for i, one in channels.items() if i != j]
+                    scan = channel_scan(
+                        record, j, candidates, others, noise, count=2, delays=self.delays
+                    )
+                    value = record.count * np.log(scan.squares) + self.costs
+                    i, delay = np.unravel_index(int(value.argmin()), value.shape)
+                    channels[j] = Channel(
+                        j, candidates[i], scan.numerators[i, delay], int(delay)
+                    )  # fmt: skip
+                if sweep and before == {j: one.key for j, one in channels.items()}:
+                    break
+            ordered = tuple(channels[j] for j in self.inputs)
+            v = joint_disturbance(record, ordered)
+            for orders in NOISES:
+                start = JointStart(ordered, noise_start(v, orders))
+                fit = joint_fit(record, start, iterations=SHORT)
+                if fit is not None:
+                    short.append(self._priced(fit))
+        short.sort(key=_bic)
+        for one in _of_each_noise(short):
+            fit = self.fit(one.start)
+            if fit is not None:
+                self._moved(fit)
+        self._rank()
+
+    def scan_of(self, fit: JointFit, j: int) -> DelayScan:
+        """All delays of one channel of a fit."""
+        channel = fit.channel(j)
+        assert channel is not None
+        others = [one for one in fit.channels if one.input != j]
+        return channel_scan(
+            self.record, j, [channel.A], others, fit.noise, count=len(channel.B),
+            delays=self.delays, slope=fit.slope, summed=channel.summed,
+        )  # fmt: skip
+
+    def _moved(self, fit: JointFit) -> JointFit:
+        """The fit with each channel at its best delay, until none moves."""
+        for _ in range(SWEEPS):
+            channels = []
+            for one in fit.channels:
+                scan = self.scan_of(fit, one.input)
+                value = self.record.count * np.log(scan.squares[0]) + self.costs
+                delay = int(value.argmin())
+                is_other = delay != one.delay and one.delay < self.delays
+                if is_other and value[delay] < value[one.delay] - 1e-6:
+                    channels.append(replace(one, delay=delay, B=scan.numerators[0, delay]))
+                else:
+                    channels.append(one)
+            if all(a is b for a, b in zip(channels, fit.channels, strict=True)):
+                break
+            again = self.fit(replace(fit.start, channels=tuple(channels)))
+            if again is None or again.bic >= fit.bic:
+                break
+            fit = again
+        return fit
+
+    def _try(self, fit: JointFit, change: Callable[[Channel], Sequence[Channel]]) -> None:
+        """Fits in which one channel is changed."""
+        for i, one in enumerate(fit.channels):
+            for other in change(one):
+                channels = (*fit.channels[:i], other, *fit.channels[i + 1 :])
+                self.fit(replace(fit.start, channels=channels))
+
+    def _grow(self) -> None:
+        """A further pole, or a pole at 1, of each channel as long as it pays."""
+        for _ in range(EXTENSIONS):
+            if not self.fits:
+                return
+            best = self.fits[0]
+            self._try(best, lambda one: [*_longer(one), *_summed(one, self.record.longest)])
+            self.fit(replace(best.start, slope=True), 12)
+            self._rank()
+            if self.fits[0] is best or self.fits[0].bic > best.bic - 1.0:
+                break
+            self._moved(self.fits[0])
+            self._rank()
+
+    def _reduce(self) -> None:
+        """Fewer poles of each channel; all such models may be credible."""
+        for _ in range(3):
+            if not self.fits:
+                return
+            best = self.fits[0]
+            self._try(best, _shorter)
+            self._rank()
+            if self.fits[0] is best:
+                break
+            self._moved(self.fits[0])
+            self._rank()
+
+    def _noise(self) -> None:
+        """Noise of order 2, drifting or not, and a sinusoid, for the best."""
+        for fit in self.fits[:2]:
+            v = joint_disturbance(self.record, fit.channels)
+            for differences in (0, 1):
+                for orders in (RICHER[differences], NOISES[differences]):
+                    self.fit(replace(fit.start, noise=noise_start(v, orders)))
+            sine = _sinusoid(v)
+            if sine is not None:
+                C, D = sine
+                self.fit(replace(fit.start, noise=NoiseModel(C, D, 0)))
+                D, C = np.convolve(D, [1, -0.2]), np.convolve(C, [1, -0.3])
+                self.fit(replace(fit.start, noise=NoiseModel(C, D, 0)))
+        self._rank()
+
+    def _robust(self) -> None:
+        """The best by Student's likelihood, where its tails are heavy."""
+        if not self.fits or not self.fits[0].heavy:
+            return
+        limit = self.fits[0].bic + 2 * WORSE
+        for one in self.fits[:KEPT]:
+            if one.bic <= limit:
+                fit = reweighted(self.record, one)
+                if fit is not one:
+                    self.fits.append(self._priced(fit))
+
+
+def _of_each_noise(fits: list[JointFit]) -> list[JointFit]:
+    """The two best of each kind of noise."""
+    return [one for i in (0, 1) for one in [f for f in fits if f.noise.differences == i][:2]]
+
+
+def _longer(one: Channel) -> list[Channel]:
+    if one.order >= MOST_ORDER:
+        return []
+    n = one.order + 1
+    A, both = np.convolve(one.A, [1, -0.5]), []
+    for earlier in (0, 1, 2):
+        if one.delay < earlier:
+            continue
+        B = np.convolve(one.B, [1, -0.5]) if not earlier else one.B
+        B = np.concatenate([np.zeros(earlier), B])[: n + one.summed]
+        B = np.concatenate([B, np.zeros(n + one.summed - len(B))])
+        if np.abs(B).any():
+            both.append(replace(one, A=A, B=B, delay=one.delay - earlier))
+    return both
+
+
+def _shorter(one: Channel) -> list[Channel]:
+    """Without the fastest real pole, its lag as delay or not."""
+    poles = np.roots(one.A)
+    real = poles[np.abs(poles.imag) < 1e-9].real
+    if one.order < 2 or not len(real):
+        return []
+    rest = np.delete(poles, int(np.argmin(np.abs(poles - real[np.argmin(np.abs(real))]))))
+    A = np.concatenate([ONE, np.real(np.poly(rest))[1:]])
+    n = one.order - 1 + one.summed
+    gain = one.B.sum() / one.A.sum() * A.sum()
+    B = np.zeros(max(n, 1))
+    B[0] = gain
+    return [replace(one, A=A, B=B, delay=one.delay + late) for late in (0, 1)]
+
+
+def _summed(one: Channel, steps: int) -> list[Channel]:
+    """With a pole at 1 in place of one that the record cannot tell from it."""
+    poles = np.roots(one.A)
+    real = np.where(np.abs(poles.imag) < 1e-9, poles.real, -1.0)
+    if one.summed or not len(poles) or real.max() < 1 - SLOW / steps:
+        return []
+    rest = np.delete(poles, int(real.argmax()))
+    A = np.concatenate([ONE, np.real(np.poly(rest))[1:]]) if len(rest) else np.array([1.0, -0.3])
+    B = np.concatenate([one.B, np.zeros(len(A))])[: len(A)]
+    return [replace(one, A=A, B=B, summed=True)]
+
+
+def _sinusoid(v: Array) -> tuple[Array, Array] | None:
+    """C and D of a sinusoid at the peak of the periodogram of v; None if there is none."""
+    steps = len(v)
+    k = np.arange(steps)
+    v = v - np.polyval(np.polyfit(k, v, 1), k)
+    power = np.abs(np.fft.rfft(v * np.hanning(steps))) ** 2
+    at = int(power[2:].argmax()) + 2
+    if power[at] < PEAK * np.median(power[1:]):
+        return None
+    z = np.exp(2j * np.pi * at / steps)
+    return np.real(np.poly([NOTCH * z, NOTCH / z])), np.real(np.poly([RING * z, RING / z]))
+
+
+def _bic(fit: JointFit) -> float:
+    return fit.bic

@@ -1,0 +1,191 @@
+"""Several inputs and outputs, experiments and gaps: models, and what is refused."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import cholesky, solve_triangular, toeplitz
+from scipy.signal import lfilter
+
+from compensator_theory.errors import InputError, UndecidedError
+from rcac_numeric.compiled._gaps import errors_with_gaps
+from rcac_numeric.identification import identify_process_matrix
+from rcac_numeric.identification._box_jenkins import NoiseModel
+from rcac_numeric.identification._joint_fits import Channel, JointStart, _Errors
+from rcac_numeric.identification._joint_records import _smoothed, inputs_of, joint_record
+
+
+def binary(rng, steps, hold):
+    moves = np.repeat(rng.choice([-1.0, 1.0], steps // hold + 1), hold)[:steps]
+    moves[:12] = 0.0  # a record that begins at rest
+    return moves
+
+
+def two_by_two(seed, steps=800, noise=0.1):
+    """Gains ((1.5, -1), (2, 2)), delays ((3, 8), (1, 5))."""
+    rng = np.random.default_rng(seed)
+    u = np.stack([binary(rng, steps, 7), binary(rng, steps, 11)], 1)
+    walk = 0.02 * np.cumsum(rng.standard_normal(steps))
+    first = lfilter([0] * 4 + [0.3], [1, -0.8], u[:, 0])
+    second = lfilter([0, 0, 0.1], [1, -0.95], u[:, 0])
+    first += lfilter([0] * 9 + [-0.1], [1, -0.9], u[:, 1])
+    second += lfilter([0] * 6 + [0.4], [1, -0.8], u[:, 1])
+    y = np.stack([first, second + walk], 1)
+    return u, y + noise * rng.standard_normal((steps, 2)) + [3.0, -5.0]
+
+
+GAINS, DELAYS = np.array([[1.5, -1], [2, 2]]), np.array([[3, 8], [1, 5]])
+
+
+@given(
+    zeros=st.lists(st.floats(-0.9, 0.9), max_size=2),
+    poles=st.lists(st.floats(-0.9, 1), max_size=3),
+    seed=st.integers(0, 999), share=st.floats(0, 0.7),
+)  # fmt: skip
+def test_errors_with_gaps_are_those_of_the_covariance_of_what_is_there(zeros, poles, seed, share):
+    """The lower Cholesky factor of the covariance is the innovations form (Cholesky, unique)."""
+    rng = np.random.default_rng(seed)
+    C, W = np.atleast_1d(np.poly(zeros)), np.atleast_1d(np.poly(poles))
+    there = rng.random(40) >= share
+    signals = rng.standard_normal((2, 40))
+    errors, logarithm = errors_with_gaps(signals, W, C, there)
+    response = toeplitz(lfilter(C, W, np.eye(1, 40)[0]), np.zeros(40))
+    if not there.any():
+        assert not errors.any() and logarithm == 0
+        return
+    factor = cholesky((response @ response.T)[np.ix_(there, there)], lower=True)
+    expected = solve_triangular(factor, signals[:, there].T, lower=True).T
+    # A Cholesky factor of a covariance of condition kappa has errors of kappa eps.
+    size = np.linalg.cond(factor) ** 2 * 1e-13 * (1 + np.abs(expected).max())
+    assert np.abs(errors[:, there] - expected).max() < 1e-9 + size
+    assert not errors[:, ~there].any()
+    assert abs(logarithm - 2 * np.log(np.diag(factor)).sum()) < 1e-8 + size
+
+
+@settings(max_examples=25)
+@given(
+    seed=st.integers(0, 999), gaps=st.booleans(), parts=st.booleans(), slope=st.booleans(),
+    differences=st.integers(0, 1), weighted=st.booleans(),
+)  # fmt: skip
+def test_the_gradient_is_that_of_the_prediction_errors(
+    seed, gaps, parts, slope, differences, weighted
+):
+    rng = np.random.default_rng(seed)
+    u, y = two_by_two(seed, 200)
+    u = rng.standard_normal(u.shape)
+    if gaps:
+        y[rng.random(200) < 0.2, 0] = np.nan
+    inputs = inputs_of(u, (0, 90) if parts else (0,))
+    record = joint_record(inputs, y[:, 0], "y")
+    noise = NoiseModel(np.array([1, -0.4, 0.1]), np.array([1, -0.6]), differences)
+    channels = (Channel(0, np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1),
+                Channel(1, np.array([1, -0.7]), np.array([0.2, 0.1]), 0, True))  # fmt: skip
+    weights = 1 + 0.5 * np.sin(np.arange(200)) if weighted else None
+    errors = _Errors(record, JointStart(channels, noise, slope), weights)
+    theta = errors.joined([(one.A, one.B) for one in channels], noise)
+    point, h = errors.at(theta), 1e-6
+    J = point.jacobian()
+    for k, row in enumerate(J):
+        step = h * np.eye(len(theta))[k]
+        difference = (errors.at(theta + step).e - errors.at(theta - step).e) / (2 * h)
+        rest = difference - row
+        for part, piece in zip(record.parts, point.pieces, strict=True):
+            # Kaufman's: the part in the space of what is free is left out.
+            rest[part] -= piece.Q @ (piece.Q.T @ rest[part])
+        assert np.abs(rest).max() < 1e-4 * (1 + np.abs(row).max())
+
+
+@given(seed=st.integers(0, 999), share=st.floats(0.05, 0.6))
+def test_missing_steps_of_u_minimise_the_errors_of_its_autoregression(seed, share):
+    rng = np.random.default_rng(seed)
+    A = np.poly(rng.uniform(-0.9, 0.9, 3))
+    u, missing = rng.standard_normal(60), rng.random(60) < share
+    filled = _smoothed(u, missing, A)
+    np.testing.assert_array_equal(filled[~missing], u[~missing])
+    error = np.convolve(filled, A)[:60]
+    gradient = np.convolve(error[::-1], A)[:60][::-1]
+    assert np.abs(gradient[missing]).max(initial=0) < 1e-9 * (1 + np.abs(filled).max())
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("kind", ["whole", "gaps", "experiments", "long gap"])
+def test_two_inputs_and_two_outputs(kind):
+    rng = np.random.default_rng(5)
+    u, y = two_by_two(1)
+    options = {}
+    if kind == "gaps":
+        lost = rng.random(800) < 0.1
+        u[lost], y[lost] = np.nan, np.nan
+    if kind == "long gap":
+        u[300:360], y[300:360] = np.nan, np.nan
+    if kind == "experiments":
+        other, output = two_by_two(2)
+        u, y = np.vstack([u, other]), np.vstack([y, output + 50.0])
+        options = {"experiments": (800, 800)}
+    model = identify_process_matrix(u, y, **options)
+    assert model.shape == (2, 2) and not model.failed and not model.is_direct
+    assert np.abs(model.gain / GAINS - 1).max() < 0.15
+    omega = np.array([0.02, 0.1, 0.2])
+    past = np.exp(-1j * omega)
+    true = [
+        [0.3 * past**4 / (1 - 0.8 * past), -0.1 * past**9 / (1 - 0.9 * past)],
+        [0.1 * past**2 / (1 - 0.95 * past), 0.4 * past**6 / (1 - 0.8 * past)],
+    ]
+    true = np.moveaxis(np.array(true), 2, 0)
+    assert np.abs(model.response(omega) / true - 1).max() < 0.2
+    assert bool(model.assumptions) == ("gap" in kind)
+
+
+@pytest.mark.costly
+def test_an_input_without_effect_has_no_entry():
+    u, y = two_by_two(3, 500)
+    rng = np.random.default_rng(3)
+    y[:, 0] = lfilter([0, 0.5], [1, -0.7], u[:, 0]) + 0.1 * rng.standard_normal(500)
+    model = identify_process_matrix(u, y)
+    assert model.entries[0][1] is None and model.gain[0, 1] == 0
+    assert "u_2 to y_1 is 0" in model.assumptions[0] and "u_2 to y_1: no effect" in str(model)
+
+
+@pytest.mark.costly
+def test_direct_feedthrough_of_an_entry():
+    """y(k) = 0.7 y(k-1) + 0.5 u_1(k) beside a delayed effect of u_2."""
+    rng = np.random.default_rng(3)
+    u = np.stack([binary(rng, 500, 4), binary(rng, 500, 9)], 1)
+    y = lfilter([0.5], [1, -0.7], u[:, 0]) + lfilter([0, 0, 0.3], [1, -0.8], u[:, 1])
+    model = identify_process_matrix(u, y + 0.05 * rng.standard_normal(500))
+    ((first, second),) = model.entries
+    assert model.is_direct and first.is_direct and not second.is_direct
+    assert first.numerator[0] == pytest.approx(0.5, abs=0.05)
+    assert np.abs(model.response(0.1)[0, 0, 0] / (0.5 / (1 - 0.7 * np.exp(-0.1j))) - 1) < 0.05
+
+
+U, Y = two_by_two(4, 300)
+
+
+@pytest.mark.parametrize(
+    ("u", "y", "options", "words"),
+    [
+        (U[:, [0, 0]], Y, {}, r"u_2 follows from u_1|u_1 follows from u_2"),
+        (np.c_[U[:, 0], np.roll(U[:, 0], 3)], Y, {}, "follows from"),
+        (np.c_[U[:, 0], np.ones(300)], Y, {}, "u_2 is constant"),
+        (U, np.c_[Y[:, 0], np.ones(300)], {}, "y_2 is constant"),
+        (U, Y, {"experiments": (100, 100)}, "200 steps, and u has 300"),
+        (U, Y[:200], {}, "equally long"),
+        (U.T, Y, {}, "one row for each step"),
+        (np.where(np.arange(300)[:, None] % 3, np.nan, U), Y, {}, "at most 50 %"),
+        (U, np.where(np.arange(300)[:, None] % 3, np.nan, Y), {}, "half of them"),
+        (U, Y, {"sample_time": 0.0}, "must be positive"),
+        (np.full((300, 2), np.inf), Y, {}, "infinite"),
+        ("text", Y, {}, "array of numbers"),
+    ],
+)  # fmt: skip
+def test_records_that_show_no_plant_are_refused(u, y, options, words):
+    with pytest.raises(InputError, match=words):
+        identify_process_matrix(u, y, **options)
+
+
+@pytest.mark.costly
+def test_an_output_that_nothing_moves_is_refused():
+    noise = np.random.default_rng(1).standard_normal(300)
+    with pytest.raises(UndecidedError, match="no effect of u on y_2"):
+        identify_process_matrix(U, np.c_[Y[:, 0], noise])
