@@ -36,7 +36,7 @@ from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._expected import LONGEST, UNKNOWN, Expected, read_expected
-from rcac_numeric.designing._logs import TRIED, LoggedPlant, LogSearch, require_short
+from rcac_numeric.designing._logs import TRIED, LoggedPlant, LogSearch
 from rcac_numeric.designing._matrix_logs import LoggedMatrix, search_of_logs
 from rcac_numeric.designing._plants import (
     DesignPlant,
@@ -670,7 +670,6 @@ def _basis_of_search(search: _Search[F], around: _DesignOptions) -> _Basis:
             continue
         logged = search.logged(fit, gates)
         try:
-            require_short(logged.plant)
             basis = _basis_of(logged.plant, logged.uncertainty, around, logged)
         except (NoSolutionError, BudgetError) as error:
             is_first = is_first or not count
@@ -876,6 +875,13 @@ def _questions(
                 "plant", "y responds to u of the same row: y is logged after u is applied",
                 "the model has one step of delay more, since a controller computes u from the y "
                 "before it",
+            ))  # fmt: skip
+        if logged.every > 1:
+            every, h = logged.every, model.sample_time
+            questions.append((
+                "sample_time", f"{every} rows of the log" + (f", {h:.4g} s" if h else ""),
+                "the dead time is longer than 60 rows, and each step of it has two "
+                "coefficients: the controller runs in one of these rows and holds u between them",
             ))  # fmt: skip
     if basis.truncation:
         questions.append(("plant", *basis.truncation))

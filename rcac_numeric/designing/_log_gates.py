@@ -11,7 +11,7 @@ from rcac_numeric.analysis._peaks import responses_of
 from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.controllers._compensator import Compensator
-from rcac_numeric.designing._plants import DesignPlant, balanced
+from rcac_numeric.designing._plants import DesignPlant, balanced, slower_plant
 from rcac_numeric.designing._reference import MOST, loop_radius
 from rcac_numeric.identification._box_jenkins import ProcessFit
 from rcac_numeric.identification._process_evidence import (
@@ -44,12 +44,20 @@ class GateLoop:
         abs(T) at `OMEGA`; below a third of the crossover abs(S) if that is smaller, since an error
         of a gain that is large anyway does no harm.
     crossover : float
-        Of the gain of the loop, in rad/step.
+        Of the gain of the loop, in rad/step of the controller.
+    every : int
+        Rows of the log in one step of the controller.
     """
 
     compensator: Compensator
     weight: Array
     crossover: float
+    every: int = 1
+
+    @property
+    def omega(self) -> Array:
+        """The frequencies of `weight` in rad/row."""
+        return OMEGA / self.every
 
     @property
     def parts(self) -> StateSpace:
@@ -61,7 +69,7 @@ class GateLoop:
         return bool(loop_radius(plant.servo(), self.parts) < 1)
 
 
-def gate_loop(plant: DesignPlant, compensator: Compensator) -> GateLoop:
+def gate_loop(plant: DesignPlant, compensator: Compensator, every: int = 1) -> GateLoop:
     """The loop of a controller, of e or of [e; r], with a scalar model."""
     of_e = Compensator(compensator.past_u, compensator.past_y[:, :, :1], compensator.sample_time)
     K = responses_of(of_e.state_space(), OMEGA)[:, 0, 0]
@@ -70,19 +78,19 @@ def gate_loop(plant: DesignPlant, compensator: Compensator) -> GateLoop:
     above = np.nonzero(np.abs(L) > 1)[0]
     crossover = float(OMEGA[above[-1]] if len(above) else 0.01)
     weight = np.where(crossover / LOW < OMEGA, T, np.minimum(T, S))
-    return GateLoop(of_e, weight, crossover)
+    return GateLoop(of_e, weight, crossover, every)
 
 
 def design_plant(
-    B: Array, A: Array, delay: int, gain_unit: float, sample_time: float | None
+    B: Array, A: Array, delay: int, gain_unit: float, sample_time: float | None, every: int = 1
 ) -> DesignPlant:
-    """The plant of a model in units of the record."""
+    """The plant of a model in units of the record, for a controller in one of `every` rows."""
     n = max(len(A) - 1, len(B))
     a = np.eye(n, k=-1)
     a[0] = -np.pad(A[1:], (0, n - len(A) + 1))
     c = gain_unit * np.pad(B, (0, n - len(B)))[None]
     a, b, c = balanced(a, np.eye(n, 1), c)
-    return DesignPlant(a, b, c, delay, sample_time=sample_time)
+    return slower_plant(DesignPlant(a, b, c, delay, sample_time=sample_time), every)
 
 
 def controller_gates(
@@ -90,14 +98,14 @@ def controller_gates(
     parts: Sequence[tuple[Part, DesignPlant | None]], sample_time: float | None,
 ) -> tuple[Gate, ...]:  # fmt: skip
     """All gates of a model that need its controller; `peak` is Ms of their loop."""
-    worst = float(np.max(loop.weight * relative_deviation(search.record, fit, OMEGA)))
+    worst = float(np.max(loop.weight * relative_deviation(search.record, fit, loop.omega)))
     gain = Gate(
         "gain", worst < KNOWN, worst, KNOWN,
         f"largest abs(T) times the relative standard deviation of G: {worst:.2g}, at most "
         f"{KNOWN:.2g} is allowed",
         "The gain around the crossover is not known well enough: excite u more, or record longer.",
     )  # fmt: skip
-    probability, left = misfit(search, fit, OMEGA)
+    probability, left = misfit(search, fit, loop.omega)
     size = float(np.max(loop.weight * left))
     fits = probability > MISFIT or size < KNOWN
     remainder = Gate(
@@ -114,7 +122,7 @@ def controller_gates(
         "No controller of the weight grid is robust for this model: sample more slowly, or shorten "
         "the dead time.",
     )  # fmt: skip
-    sign = sign_gate(search, fit, loop.crossover / LOW)
+    sign = sign_gate(search, fit, loop.crossover / LOW / loop.every)
     return (
         gain, sign, _rivals(search, fit, loop, sample_time), remainder,
         _halves(loop, parts), robust,
@@ -134,7 +142,9 @@ def _rivals(
         models.setdefault(("delay", delay), (B, fit.denominator, delay))
     unstable = [
         (A, delay) for B, A, delay in models.values()
-        if not loop.stabilises(design_plant(B, A, delay, unit_y / unit_u, sample_time))
+        if not loop.stabilises(
+            design_plant(B, A, delay, unit_y / unit_u, sample_time, loop.every)
+        )
     ]  # fmt: skip
     which = "".join(f", such as order {len(A) - 1} with delay {d}" for A, d in unstable[:1])
     return Gate(
@@ -153,7 +163,7 @@ def _halves(loop: GateLoop, parts: Sequence[tuple[Part, DesignPlant | None]]) ->
         if part is None or plant is None:
             continue
         record, fit = part
-        if np.max(loop.weight * relative_deviation(record, fit, OMEGA)) > KNOWN:
+        if np.max(loop.weight * relative_deviation(record, fit, loop.omega)) > KNOWN:
             continue
         judged += 1
         lost += not loop.stabilises(plant)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensator_theory.errors import BudgetError, InputError, UndecidedError
+from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
@@ -40,6 +40,7 @@ PARTS = 2  # of the log, in each of which the model is fitted again
 # abs(1 - pole) below CLEAR standard deviations of the pole.
 SLOW, CLEAR = 20.0, 4.0
 ROBUST = 4.0  # Ms of the reference loop with the model of a part
+USUAL_DELAY = 30  # steps of dead time of a controller that skips rows
 TRIED = 4  # credible models for which a controller is designed until one passes every gate
 
 
@@ -62,6 +63,9 @@ class LoggedPlant(Result):
         The least and the largest control of the log.
     is_closed : bool
         Whether the log is from a closed loop: its command moves, or y predicts u.
+    every : int
+        Rows of the log in one step of the controller: more than 1 where the dead time is longer
+        than 60 rows.
     """
 
     plant: DesignPlant
@@ -71,6 +75,7 @@ class LoggedPlant(Result):
     disturbance: float
     u: tuple[float, float]
     is_closed: bool = False
+    every: int = 1
 
     @property
     def gains(self) -> tuple[float, ...]:
@@ -196,7 +201,7 @@ class LogSearch:
         """The plant of a model, its parts and its disturbances."""
         search, log = self.search, self.log
         model = process_model(search, fit, gates, self.sample_time)
-        plant = self._plant(fit)
+        plant = self._plant(fit, rows_a_step(fit.delay))
         if not plant.low_gain > 0:
             raise InputError("the model of the log has gain 0: u has no effect on y.")
         parts = tuple(plant for _, plant in self.parts(fit))
@@ -205,7 +210,9 @@ class LogSearch:
         rest = float(np.sqrt(max(float(np.var(e)) - noise**2, 0.0)))
         size = max(rest, noise) / plant.low_gain
         limits = float(log.u.min()), float(log.u.max())
-        return LoggedPlant(plant, model, parts, noise, size, limits, self.is_closed)
+        return LoggedPlant(
+            plant, model, parts, noise, size, limits, self.is_closed, rows_a_step(fit.delay)
+        )  # fmt: skip
 
     def parts(self, fit: ProcessFit) -> list[tuple[Part, DesignPlant | None]]:
         """The model fitted to each half, and its plant where the half knows the gain."""
@@ -215,7 +222,7 @@ class LogSearch:
         for part in part_fits(self.search, fit, PARTS):
             plant = None
             if part is not None and relative_deviation(*part, omega).max() < KNOWN:
-                plant = self._plant(part[1])
+                plant = self._plant(part[1], rows_a_step(fit.delay))
             parts.append((part, plant))
         return parts
 
@@ -223,16 +230,18 @@ class LogSearch:
         LoggedPlant
     ):  # fmt: skip
         """The plant with the gates of its controller beside the others."""
-        loop = gate_loop(logged.plant, G_c)
+        loop = gate_loop(logged.plant, G_c, logged.every)
         gates = controller_gates(
             self.search, fit, loop, peak, self.parts(fit), self.sample_time
         )  # fmt: skip
         model = replace(logged.model, gates=(*logged.model.gates, *gates))
         return replace(logged, model=model)
 
-    def _plant(self, fit: ProcessFit) -> DesignPlant:
+    def _plant(self, fit: ProcessFit, every: int) -> DesignPlant:
         unit_u, unit_y = self.search.record.units
-        return design_plant(fit.B, fit.denominator, fit.delay, unit_y / unit_u, self.sample_time)
+        return design_plant(
+            fit.B, fit.denominator, fit.delay, unit_y / unit_u, self.sample_time, every
+        )  # fmt: skip
 
     def undecided(self, gates: tuple[Gate, ...]) -> UndecidedError:
         """The error for a log of which gates failed."""
@@ -250,14 +259,12 @@ def _paired_earlier(log: ControllerLog) -> ControllerLog:
     return ControllerLog(log.u[1:], log.y[:-1], r=r, source=log.source, sample_time=log.sample_time)
 
 
-def require_short(plant: DesignPlant) -> None:
-    """Raise an error for a dead time that a controller has no coefficients for."""
-    if plant.delay > LONGEST_DELAY:
-        raise BudgetError(
-            f"the dead time of the log is {plant.delay} steps, and each of them has two "
-            f"coefficients of the controller; at most {LONGEST_DELAY} are taken. Log every second "
-            "row, or fewer, with the sample time to match."
-        )
+def rows_a_step(delay: int) -> int:
+    """Rows of a log in one step of its controller: more than 1 beyond 60 rows of dead time.
+
+    Each step of dead time has two coefficients of the controller.
+    """
+    return 1 if delay <= LONGEST_DELAY else -(-delay // USUAL_DELAY)
 
 
 def plant_from_log(

@@ -10,6 +10,7 @@ import numpy as np
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.analysis._peaks import responses_of
+from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
@@ -17,7 +18,8 @@ from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.designing._log_gates import LOW as BELOW
 from rcac_numeric.designing._log_gates import ROBUST as MOST_PEAK
-from rcac_numeric.designing._logs import LogSearch
+from rcac_numeric.designing._log_gates import design_plant
+from rcac_numeric.designing._logs import LogSearch, rows_a_step
 from rcac_numeric.designing._plants import (
     LOW,
     MOST_SIGNALS,
@@ -27,6 +29,7 @@ from rcac_numeric.designing._plants import (
     checked_plant,
 )
 from rcac_numeric.designing._reference import loop_radius, sensitivity_peak
+from rcac_numeric.identification._box_jenkins import CIRCLE, confined
 from rcac_numeric.identification._joint_evidence import (
     channel_delays,
     effect_gates,
@@ -69,6 +72,8 @@ class LoggedMatrix(Result):
         The least and the largest control of the logs.
     is_closed : bool
         Whether a log is from a closed loop: its command moves, or y predicts u.
+    every : int
+        Rows of the log in one step of the controller.
     """
 
     plant: DesignPlant
@@ -78,6 +83,7 @@ class LoggedMatrix(Result):
     disturbance: float
     u: tuple[float, float]
     is_closed: bool = False
+    every: int = 1
 
     @property
     def gains(self) -> tuple[float, ...]:
@@ -197,15 +203,21 @@ class MatrixLogSearch:
                 for gate in effect_gates(one, fit, i, self.search.names)
             )
 
-    def plant(self, fits: Sequence[JointFit]) -> DesignPlant:
+    def every(self, fits: Sequence[JointFit]) -> int:
+        """Rows of the log in one step of the controller."""
+        longest = max(one.delay for fit in fits for one in fit.channels)
+        return rows_a_step(longest * len(fits))
+
+    def plant(self, fits: Sequence[JointFit], every: int) -> DesignPlant:
         """The plant of a model of each output."""
-        return matrix_plant(self.search, fits, self.sample_time)
+        return matrix_plant(self.search, fits, self.sample_time, every)
 
     def logged(self, fits: tuple[JointFit, ...], gates: tuple[Gate, ...] = ()) -> LoggedMatrix:
         """The plant of a model of each output, its parts and its disturbances."""
         search = self.search
         model = process_matrix(search, fits, gates, self.sample_time)
-        plant = checked_plant(self.plant(fits))
+        every = self.every(fits)
+        plant = checked_plant(self.plant(fits, every))
         sizes = []
         for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True)):
             e = joint_residual(one.record, fit) * one.record.unit_y
@@ -214,8 +226,8 @@ class MatrixLogSearch:
             gain = float(np.linalg.norm(plant.response(LOW)[0, i]))
             sizes.append((noise, max(rest, noise) / gain))
         noise, size = (float(np.sqrt(np.mean(np.square(one)))) for one in zip(*sizes, strict=True))
-        parts = tuple(self.plant([part[i] for i in range(len(fits))]) for part in self.parts(fits))
-        return LoggedMatrix(plant, model, parts, noise, size, self.range, self.is_closed)
+        parts = tuple(self.plant(part, every) for part in self.parts(fits))
+        return LoggedMatrix(plant, model, parts, noise, size, self.range, self.is_closed, every)
 
     def parts(self, fits: tuple[JointFit, ...]) -> list[tuple[JointFit, ...]]:
         """The models fitted to each experiment or half, where it knows their gains."""
@@ -231,34 +243,44 @@ class MatrixLogSearch:
         self, fits: tuple[JointFit, ...], logged: LoggedMatrix, G_c: Compensator, peak: float
     ) -> LoggedMatrix:
         """The plant with the gates of its controller beside the others."""
-        with np.errstate(all="ignore"):
-            gates = self._controller_gates(fits, logged, G_c, peak)
+        of_e = Compensator(
+            G_c.past_u, G_c.past_y[:, :, : logged.plant.m], G_c.sample_time
+        )  # fmt: skip
+        gates = self.controller_gates(fits, logged, of_e.state_space(), peak)
         return replace(logged, model=replace(logged.model, gates=(*logged.model.gates, *gates)))
 
+    def controller_gates(
+        self, fits: tuple[JointFit, ...], logged: LoggedMatrix, controller: StateSpace, peak: float
+    ) -> tuple[Gate, ...]:
+        """The gates of a controller from e to u; `peak` is Ms of its loop with the model."""
+        with np.errstate(all="ignore"):
+            return self._controller_gates(fits, logged, controller, peak)
+
     def _controller_gates(
-        self, fits: tuple[JointFit, ...], logged: LoggedMatrix, G_c: Compensator, peak: float
+        self, fits: tuple[JointFit, ...], logged: LoggedMatrix, parts: StateSpace, peak: float
     ) -> tuple[Gate, ...]:
         search, m = self.search, logged.plant.m
-        of_e = Compensator(G_c.past_u, G_c.past_y[:, :, :m], G_c.sample_time)
-        parts = of_e.state_space()
+        every, omega = logged.every, OMEGA / logged.every
         K = responses_of(parts, OMEGA)
         L = logged.plant.response(OMEGA) @ K
         above = np.nonzero(np.linalg.svd(L, compute_uv=False)[:, 0] > 1)[0]
         crossover = float(OMEGA[above[-1]] if len(above) else 0.01)
         # det(I + (G + Delta) K) = det(I + G K) det(I + Delta M), M = K (I + G K)^-1.
-        M = K @ np.linalg.inv(np.eye(m) + L)
+        inverse = np.linalg.inv(np.eye(m) + L)
+        M = K @ inverse
         variance = np.zeros(len(OMEGA))
         for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True)):
             covariance = joint_covariance(one.record, fit)
             by = sum(
                 M[:, channel.input, i, None] * search.gain_unit(i, channel.input) * slopes
-                for channel, slopes in response_slopes(fit, OMEGA)
+                for channel, slopes in response_slopes(fit, omega)
             )
-            grown = inflation(fit.e, OMEGA)
+            grown = inflation(fit.e, omega)
             variance += np.real(np.einsum("wi,ij,wj->w", by, covariance, np.conj(by))) * grown
-        integrates = any(channel.summed for fit in fits for channel in fit.channels)
-        counts = (crossover / BELOW if integrates else 0.0) < OMEGA
-        worst = float(np.sqrt(np.maximum(variance[counts], 0.0)).max())
+        # Below a third of the crossover S stands in place of T if it is smaller, as for one input.
+        T, S = np.linalg.norm(L @ inverse, 2, axis=(1, 2)), np.linalg.norm(inverse, 2, axis=(1, 2))
+        share = np.where(crossover / BELOW < OMEGA, 1.0, np.minimum(1.0, S / T))
+        worst = float((np.sqrt(np.maximum(variance, 0.0)) * share).max())
         gain = Gate(
             "gain", worst < KNOWN, worst, KNOWN,
             f"largest standard deviation of trace(dG K (I + G K)^-1): {worst:.2g}, at most "
@@ -268,7 +290,7 @@ class MatrixLogSearch:
         )  # fmt: skip
         names = search.names
         signs = tuple(
-            sign_of(one, channel, crossover / BELOW, names.u(channel.input), names.y(i))
+            sign_of(one, channel, crossover / BELOW / every, names.u(channel.input), names.y(i))
             for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True))
             for channel in fit.channels
         )
@@ -280,7 +302,8 @@ class MatrixLogSearch:
         )  # fmt: skip
 
         def lost(models: Sequence[Sequence[JointFit]]) -> int:
-            return sum(not loop_radius(self.plant(one).servo(), parts) < 1 for one in models)
+            plants = [self.plant(one, every) for one in models]
+            return sum(not loop_radius(plant.servo(), parts) < 1 for plant in plants)
 
         rivals, drawn, of_parts = self._rivals(fits), self._drawn(fits), self.parts(fits)
         count = [lost(rivals), lost(drawn), lost(of_parts)]
@@ -296,7 +319,7 @@ class MatrixLogSearch:
             Gate(
                 "draws", not count[1], float(count[1]), 0.0,
                 f"the fixed controller stabilises {len(drawn) - count[1]} of {len(drawn)} models "
-                "drawn from the covariance, with twice the standard deviation",
+                "drawn from the covariance",
                 "The gains around the crossover are not known well enough: excite u more, or "
                 "record longer.",
             ),
@@ -323,7 +346,7 @@ class MatrixLogSearch:
         return rivals
 
     def _drawn(self, fits: tuple[JointFit, ...]) -> list[tuple[JointFit, ...]]:
-        """Models drawn from the covariances, with twice the standard deviation."""
+        """Models drawn from the covariances, with poles in the circle as all models have."""
         rng, draws = np.random.default_rng(SEED), []
         roots = []
         for one, fit in zip(self.search.searches, fits, strict=True):
@@ -332,13 +355,12 @@ class MatrixLogSearch:
         for _ in range(DRAWS):
             models = []
             for fit, root in zip(fits, roots, strict=True):
-                step, channels = 2 * root @ rng.standard_normal(len(root)), []
+                step, channels = root @ rng.standard_normal(len(root)), []
                 for channel, place in zip(fit.channels, fit.places, strict=True):
                     n = channel.order
                     moved = step[place]
-                    channels.append(replace(
-                        channel, A=channel.A + np.r_[0.0, moved[:n]], B=channel.B + moved[n:]
-                    ))  # fmt: skip
+                    A = confined(channel.A + np.r_[0.0, moved[:n]], CIRCLE)
+                    channels.append(replace(channel, A=A, B=channel.B + moved[n:]))
                 models.append(replace(fit, channels=tuple(channels)))
             draws.append(tuple(models))
         return draws
@@ -373,29 +395,35 @@ def merged(fit: JointFit, part: JointFit) -> JointFit:
 
 
 def matrix_plant(
-    search: MatrixSearch, fits: Sequence[JointFit], sample_time: float | None
+    search: MatrixSearch, fits: Sequence[JointFit], sample_time: float | None, every: int = 1
 ) -> DesignPlant:
-    """The plant of a model of each output: states for each entry, a common integrator a row."""
+    """The plant of a model of each output: states for each entry, a common integrator a row.
+
+    For a controller in one of `every` rows; if that is more than 1 an entry has its own integrator.
+    """
     m = len(search.inputs.u)
     blocks, inputs, delays, rows, feeds = [], [], [], [], []
     for i, fit in enumerate(fits):
         for one in fit.channels:
-            n = max(one.order, len(one.B))
-            a = np.eye(n, k=-1)
-            a[0] = -np.pad(one.A[1:], (0, n - one.order))
-            blocks.append(a)
+            denominator = one.A if every == 1 else one.denominator
+            unit = search.gain_unit(i, one.input)
+            entry = design_plant(one.B, denominator, one.delay, unit, None, every)
+            blocks.append((entry.A, entry.B[:, 0]))
             inputs.append(one.input)
-            delays.append(one.delay)
-            rows.append((i, search.gain_unit(i, one.input) * np.pad(one.B, (0, n - len(one.B)))))
-            feeds.append(one.summed)
-    sums = [i for i, fit in enumerate(fits) if any(one.summed for one in fit.channels)]
-    states = sum(len(a) for a in blocks)
+            delays.append(entry.delay)
+            rows.append((i, entry.C[0]))
+            feeds.append(one.summed and every == 1)
+    has_sums = [every == 1 and any(one.summed for one in fit.channels) for fit in fits]
+    sums = [i for i, has_sum in enumerate(has_sums) if has_sum]
+    states = sum(len(a) for a, _ in blocks)
     A = np.zeros((states + len(sums), states + len(sums)))
     B, C = np.zeros((len(A), m)), np.zeros((len(fits), len(A)))
     late, at = np.full((len(A), m), min(delays)), 0
-    for a, j, delay, (i, c), is_summed in zip(blocks, inputs, delays, rows, feeds, strict=True):
+    for (a, b), j, delay, (i, c), is_summed in zip(
+        blocks, inputs, delays, rows, feeds, strict=True
+    ):
         place = slice(at, at + len(a))
-        A[place, place], B[at, j], C[i, place] = a, 1.0, c
+        A[place, place], B[place, j], C[i, place] = a, b, c
         late[place] = delay
         if is_summed:
             A[states + sums.index(i), place] = c
@@ -404,7 +432,8 @@ def matrix_plant(
         A[states + k, states + k] = C[i, states + k] = 1.0
     A, B, C = balanced(A, B, C)
     later = late - min(delays)
+    period = None if sample_time is None else every * sample_time
     return DesignPlant(
-        A, B, C, int(min(delays)), sample_time=sample_time,
+        A, B, C, int(min(delays)), sample_time=period,
         later=later.astype(np.int64) if later.any() else None,
     )  # fmt: skip

@@ -238,6 +238,31 @@ class DesignPlant(Value):
         return _hold_sampled(continuous[0] / time, continuous[1] / time, self.fraction)
 
 
+def slower_plant(plant: DesignPlant, every: int) -> DesignPlant:
+    """The plant with a controller that runs in one of `every` steps, u held between them: exact.
+
+    x(K+1) = A^n x(K) + sum over i of A^(n-1-i) B u(n K + i - d), where u changes once in a row of
+    n steps at most if d is no multiple of n: then past u is a state.
+    """
+    if every == 1:
+        return plant
+    if plant.later is not None or plant.fraction:
+        raise InputError("dead times by entry and fractions of a step have no slower plant yet.")
+    late = -(-plant.delay // every)
+    first = every - (late * every - plant.delay)  # steps with the earlier of both controls
+    power, sums = np.eye(len(plant.A)), [np.zeros_like(plant.B), np.zeros_like(plant.B)]
+    for i in range(every - 1, -1, -1):
+        sums[int(i >= first)] += power @ plant.B
+        power = plant.A @ power
+    period = None if plant.sample_time is None else every * plant.sample_time
+    if first == every:
+        return DesignPlant(*balanced(power, sums[0], plant.C), late, sample_time=period)
+    n, m = plant.B.shape
+    A = np.block([[power, sums[0]], [np.zeros((m, n + m))]])
+    B, C = np.vstack([sums[1], np.eye(m)]), np.hstack([plant.C, np.zeros((len(plant.C), m))])
+    return DesignPlant(*balanced(A, B, C), late - 1, sample_time=period)
+
+
 def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
     """A_c and B_c per step, as given or from the sampled plant; None if there are none."""
     if plant.continuous is not None:

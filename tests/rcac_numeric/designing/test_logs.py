@@ -16,7 +16,7 @@ from compensator_theory.errors import (
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._design import _basis_of_log, _DesignOptions
 from rcac_numeric.designing._logs import PARTS, LogSearch, plant_from_log
-from rcac_numeric.designing._plants import read_plant
+from rcac_numeric.designing._plants import read_plant, slower_plant
 from rcac_numeric.designing._reference import WeightGrid, sensitivity_peak
 
 TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
@@ -322,3 +322,21 @@ def test_a_scalar_log_with_gaps_has_a_controller():
     true = read_plant(TRUE, None, 2)
     loop = rn.ClosedLoop(true.servo(), basis.reference.compensator)
     assert sensitivity_peak(loop) < 2.5 and not basis.logged.model.failed
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("has_gaps", [False, True])
+def test_a_dead_time_of_hundreds_of_rows_has_a_controller_that_skips_rows(has_gaps):
+    rng = np.random.default_rng(3)
+    u = np.repeat(rng.choice([-1.0, 1.0], 20), 100)
+    u[:20] = 0.0
+    y = lfilter(np.r_[np.zeros(151), 0.04], [1, -0.96], u) + 0.05 * rng.standard_normal(2000)
+    lost = has_gaps & (rng.random(2000) < 0.1)
+    u[lost], y[lost] = np.nan, np.nan
+    log = rn.ControllerLog(u, y, sample_time=0.5, has_gaps=True)
+    options = _DesignOptions("unknown", None, None, None, None, None, False)
+    basis = _basis_of_log(log, None, 0.0, options)
+    assert basis.logged.every == 5 and basis.model.sample_time == 2.5
+    true = slower_plant(replace(read_plant("0.04/(q - 0.96)", None, 0), delay=150), 5)
+    loop = rn.ClosedLoop(true.servo(), basis.reference.compensator)
+    assert sensitivity_peak(loop) < 2.5

@@ -19,7 +19,13 @@ from rcac_numeric import (
     servo_plant,
     standard_plant,
 )
-from rcac_numeric.designing._plants import Variation, read_plant, variations
+from rcac_numeric.designing._plants import (
+    DesignPlant,
+    Variation,
+    read_plant,
+    slower_plant,
+    variations,
+)
 from rcac_numeric.gallery import BoostConverter
 
 
@@ -220,3 +226,28 @@ def test_what_is_no_plant_for_design_is_refused(plant, arguments, error, words):
 def test_an_uncertainty_is_around_1(gain):
     with pytest.raises((InputError, ValueError)):
         Uncertainty(gain=gain)
+
+
+@given(
+    every=st.integers(1, 9), delay=st.integers(0, 20), pole=st.floats(-0.9, 1.0),
+    seed=st.integers(0, 99),
+)  # fmt: skip
+def test_a_controller_that_skips_steps_has_the_plant_with_u_held(every, delay, pole, seed):
+    """Every n-th output of the plant itself, with each control repeated n times."""
+    rng = np.random.default_rng(seed)
+    A = np.array([[pole, 1.0], [0.0, 0.5]])
+    plant = DesignPlant(A, np.array([[0.2], [1.0]]), np.array([[1.0, 0.3]]), delay, sample_time=0.5)
+    slow = slower_plant(plant, every)
+    assert slow.sample_time == 0.5 * every
+    u = rng.standard_normal(12)
+
+    def outputs(one, controls):
+        servo, y = one.servo(), []
+        x = np.zeros(servo.n)
+        for value in controls:
+            y.append((-servo.C @ x).item())
+            x = servo.A @ x + servo.B[:, 0] * value
+        return np.array(y)
+
+    expected = outputs(plant, np.repeat(u, every))[::every]
+    np.testing.assert_allclose(outputs(slow, u), expected, atol=1e-9 * (1 + np.abs(expected).max()))
