@@ -380,12 +380,14 @@ def design(
 
     Parameters
     ----------
-    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, ControllerLog
+    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, log or logs
         Linear, strictly proper, as many inputs as outputs (4 at most, in like units); all that
         `plant_of` reads, and rows of transfer functions. Of more than 40 states, as a measured
         impulse response has, those are kept that its response within 1 % of its peak needs. A
         `Plant` counts as its map from u to y. Of a log u and y count, and r where it is known:
         `identify_process` makes the model, and a controller is handed out if every gate is passed.
+        A log of several u and y, or with gaps, and a list of logs, one for each experiment, have
+        that of `identify_process_matrix`.
         What the model leaves of y is noise and disturbance unless they are given, and the gain is
         as uncertain as halves of the log disagree. A `StepResponse` brings dead time, noise and
         uncertainty; `sample_time` is its `control_period` by default.
@@ -461,6 +463,13 @@ def design(
     around = _DesignOptions(
         disturbance, noise, command, saturation, uncertainty, structure, feedforward
     )
+    for one in plant if isinstance(plant, list | tuple) else (plant,):
+        if hasattr(one, "columns") and hasattr(one, "index"):
+            raise InputError(
+                "plant is a DataFrame; read_log makes a log of it: "
+                'design(read_log(frame, {"u": ["valve"], "y": ["level"]})), with the names of its '
+                f"columns, {', '.join(str(name) for name in list(one.columns)[:8])}."
+            )
     if _is_log(plant):
         basis = _basis_of_log(plant, sample_time, number(dead_time, "dead_time"), around)
     elif isinstance(plant, StepResponse):

@@ -33,12 +33,19 @@ from rcac_numeric.identification._box_jenkins import CIRCLE, confined
 from rcac_numeric.identification._joint_evidence import (
     channel_delays,
     effect_gates,
+    joint_misfit,
     joint_parts,
     response_slopes,
     sign_of,
 )
 from rcac_numeric.identification._joint_fits import JointFit, joint_covariance, joint_residual
-from rcac_numeric.identification._process_evidence import KNOWN, OMEGA, Gate, inflation
+from rcac_numeric.identification._process_evidence import (
+    KNOWN,
+    MISFIT,
+    OMEGA,
+    Gate,
+    inflation,
+)
 from rcac_numeric.identification._process_matrix import (
     MatrixSearch,
     ProcessMatrix,
@@ -289,6 +296,26 @@ class MatrixLogSearch:
             "longer.",
         )  # fmt: skip
         names = search.names
+        left, chance, turned = np.zeros(len(OMEGA)), 1.0, 0.0
+        low = np.array([crossover / BELOW / every])
+        for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True)):
+            probability, responses = joint_misfit(one.record, fit, np.append(omega, low))
+            chance = min(chance, probability)
+            if probability > MISFIT:
+                continue
+            for channel in fit.channels:
+                j = channel.input
+                left += np.abs(M[:, j, i] * search.gain_unit(i, j) * responses[:-1, j])
+                share_of = np.abs(responses[-1, j] / channel.response(low)).item()
+                turned = max(turned, float(share_of))
+        size = max(float((left * share).max()) / KNOWN, turned)
+        remainder = Gate(
+            "misfit", size < 1.0, size, 1.0,
+            f"past u explains {size:.2g} of the gains that matter in the prediction errors, with "
+            f"probability {chance:.2g} by chance",
+            "The model misses a part of the plant: a nonlinear plant, an input that is not logged, "
+            "or a plant of higher order. Give design a model.",
+        )  # fmt: skip
         signs = tuple(
             sign_of(one, channel, crossover / BELOW / every, names.u(channel.input), names.y(i))
             for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True))
@@ -329,7 +356,7 @@ class MatrixLogSearch:
                 f"{len(of_parts)} experiments or halves that determine one",
                 "The plant differs between the experiments, or is not linear: design for each.",
             ),
-            robust,
+            remainder, robust,
         )  # fmt: skip
 
     def _rivals(self, fits: tuple[JointFit, ...]) -> list[tuple[JointFit, ...]]:

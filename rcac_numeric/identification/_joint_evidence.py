@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.identification._box_jenkins import NoiseModel, noise_start
@@ -23,6 +24,7 @@ from rcac_numeric.identification._joint_search import JointSearch
 from rcac_numeric.identification._process_evidence import (
     FEW,
     KNOWN,
+    LAGS,
     MOST_DELAYS,
     MOST_JUMPS,
     OMEGA,
@@ -50,13 +52,18 @@ class Names:
 
 
 def _without(search: JointSearch, fit: JointFit, j: int) -> list[JointFit]:
-    """Models without an input, of several noises, with its effect as noise of the same slope."""
+    """Models without an input, of several noises, with the slope and the free response it has.
+
+    A lightly damped channel fits a sinusoid by its initial state, whatever its input is.
+    """
     record = search.record
     rest = tuple(one for one in fit.channels if one.input != j)
     v = joint_disturbance(record, rest)
     has_slope = fit.slope or any(one.summed for one in fit.channels)
     starts = [JointStart(rest, noise_start(v, orders), has_slope) for orders in RICHER.values()]
     starts += [JointStart(rest, fit.noise, slope) for slope in {fit.slope, has_slope}]
+    freed = tuple(replace(one, B=np.zeros(0)) if one.input == j else one for one in fit.channels)
+    starts.append(JointStart(freed, fit.noise, fit.slope))
     fits = [joint_fit(record, start) for start in starts]
     alone = [one for one in fits if one is not None]
     return [reweighted(record, one) for one in alone] if fit.heavy else alone
@@ -212,6 +219,35 @@ def sign_of(search: JointSearch, channel: Channel, omega: float, u: str, y: str)
         f"credible models with the other sign at {omega:.2g} rad/step: {others}",
         f"The record supports both signs: excite {u} more, several times.",
     )  # fmt: skip
+
+
+def joint_misfit(record: JointRecord, fit: JointFit, omega: Array) -> tuple[float, ComplexArray]:
+    """The probability that e is independent of past u, and the responses that u leaves in e.
+
+    Shape (len(omega), inputs), in units of the record.
+    """
+    lags = min(max(one.delay for one in fit.channels) + LAGS, record.count // (8 * len(record.u)))
+    u = record.filtered(fit.noise.whitener, fit.noise.C, record.u)
+    X = np.concatenate([
+        np.stack([record.later(row, k) for k in range(1, lags + 1)]) for row in u
+    ])[:, record.observed]  # fmt: skip
+    X = X - X.mean(axis=1, keepdims=True)
+    scale = record.likelihood(fit.e)[2]
+    e = np.clip(fit.e, -4 * scale, 4 * scale)
+    e = e - e.mean()
+    power = float(np.var(e))
+    values, vectors = np.linalg.eigh(X @ X.T)
+    is_excited = values > 1e-8 * max(float(values[-1]), 1e-300)
+    if not power > 0 or not is_excited.any():
+        return 1.0, np.zeros((len(omega), len(u)), dtype=np.complex128)
+    across = vectors.T @ (X @ e)
+    statistic = float(np.sum(across[is_excited] ** 2 / values[is_excited])) / power
+    probability = float(chi2.sf(statistic, int(is_excited.sum())))
+    impulse = (vectors[:, is_excited] @ (across[is_excited] / values[is_excited])).reshape(
+        len(u), -1
+    )
+    past = np.exp(-1j * np.outer(omega, np.arange(1, lags + 1)))
+    return probability, np.asarray(past @ impulse.T)
 
 
 def joint_parts(search: JointSearch, fit: JointFit) -> Iterator[tuple[int, JointFit]]:

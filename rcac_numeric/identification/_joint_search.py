@@ -27,6 +27,9 @@ from rcac_numeric.identification._joint_fits import (
 )
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._process_search import (
+    ALIKE,
+    BESIDE,
+    CANCELLED,
     MOST_STEPS,
     NOISES,
     NOTCH,
@@ -45,6 +48,7 @@ SWEEPS = 3  # over the inputs, in a start
 MOST_ORDER = 3  # of a channel
 EXTENSIONS = 8  # of the best model
 KEPT = 6  # models that are refined
+RINGING = 3.0  # (1 - abs(pole)) times the steps: an oscillation that hardly decays
 
 
 def joint_costs(record: JointRecord) -> Array:
@@ -128,11 +132,14 @@ class JointSearch:
             for start in starts:
                 self.fit(start)
             self._rank()
+        self._noise()
         self._grow()
         self._noise()
         self._reduce()
+        self._cancelled()
         self._robust()
         self._rank()
+        self._without_cancelled()
 
     @property
     def delays(self) -> int:
@@ -171,7 +178,10 @@ class JointSearch:
     def _rank(self) -> None:
         self.fits = [
             one for one in self.fits
-            if all(not c.summed or integrated_share(c.A, c.B) > SHARE for c in one.channels)
+            if all(
+                (not c.summed or integrated_share(c.A, c.B) > SHARE)
+                and not _is_endless(c, self.record.longest) for c in one.channels
+            )
         ]  # fmt: skip
         self.fits.sort(key=_bic)
 
@@ -284,6 +294,7 @@ class JointSearch:
         """Noise of order 2, drifting or not, and a sinusoid, for the best."""
         for fit in self.fits[:2]:
             v = joint_disturbance(self.record, fit.channels)
+            self.fit(replace(fit.start, slope=True), 12)
             for differences in (0, 1):
                 for orders in (RICHER[differences], NOISES[differences]):
                     self.fit(replace(fit.start, noise=noise_start(v, orders)))
@@ -294,6 +305,37 @@ class JointSearch:
                 D, C = np.convolve(D, [1, -0.2]), np.convolve(C, [1, -0.3])
                 self.fit(replace(fit.start, noise=NoiseModel(C, D, 0)))
         self._rank()
+
+    def _cancelled(self) -> None:
+        """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
+        for fit in self.fits[:3]:
+            for i, one in enumerate(fit.channels):
+                for poles, zeros in _pairs(one):
+                    A = np.atleast_1d(np.real(np.poly(np.delete(np.roots(one.A), poles))))
+                    if len(A) == 1:
+                        continue
+                    rest = np.delete(np.roots(one.B), zeros)
+                    B = one.B[0] * np.atleast_1d(np.real(np.poly(rest)))
+                    channels = list(fit.channels)
+                    channels[i] = replace(one, A=A, B=B)
+                    pair = np.roots(one.A)[poles]
+                    C = np.convolve(fit.noise.C, np.real(np.poly(NOTCH * pair)))
+                    D = np.convolve(fit.noise.D, np.real(np.poly(pair)))
+                    start = replace(fit.start, channels=tuple(channels))
+                    self.fit(replace(start, noise=replace(fit.noise, C=C, D=D)))
+                    self.fit(start)
+                    self.fit(replace(start, slope=True))
+        self._rank()
+
+    def _without_cancelled(self) -> None:
+        """Leave out models with a pair that all but cancels, where one without it is credible.
+
+        Such a pair is a disturbance of the level or a sinusoid; in a loop it is a hidden mode on
+        the circle.
+        """
+        plain = [one for one in self.fits if not has_hidden_pair(one)]
+        if plain and plain[0].bic <= self.fits[0].bic + ODDS:
+            self.fits = plain
 
     def _robust(self) -> None:
         """The best by Student's likelihood, where its tails are heavy."""
@@ -366,6 +408,38 @@ def _sinusoid(v: Array) -> tuple[Array, Array] | None:
         return None
     z = np.exp(2j * np.pi * at / steps)
     return np.real(np.poly([NOTCH * z, NOTCH / z])), np.real(np.poly([RING * z, RING / z]))
+
+
+def has_hidden_pair(fit: JointFit) -> bool:
+    """Whether a pole near the circle and a zero all but cancel in a channel."""
+    return any(_pairs(one, ALIKE) for one in fit.channels)
+
+
+def _is_endless(one: Channel, steps: int) -> bool:
+    """Whether a channel rings throughout a record: its initial state is a free sinusoid."""
+    poles = np.roots(one.A)
+    rings = (np.abs(poles.imag) > 1e-9) & ((1 - np.abs(poles)) * steps < RINGING)
+    return bool(rings.any())
+
+
+def _pairs(one: Channel, distance: float = CANCELLED) -> list[tuple[list[int], list[int]]]:
+    """Indices of poles near the circle, real or a pair, and of the zeros beside them."""
+    poles, zeros = np.roots(one.A), np.roots(one.B)
+    pairs = []
+    for i, pole in enumerate(poles):
+        count = 1 if abs(pole.imag) < 1e-9 else 2
+        if abs(pole) < BESIDE or pole.imag < -1e-9 or len(zeros) < count:
+            continue
+        near = np.argsort(np.abs(zeros - pole))[0]
+        if abs(zeros[near] - pole) > distance or (abs(zeros[near].imag) < 1e-9) != (count == 1):
+            continue
+        if count == 1:
+            pairs.append(([i], [int(near)]))
+        else:
+            partners = [int(np.argmin(np.abs(roots - root.conj())))
+                        for roots, root in ((poles, pole), (zeros, zeros[near]))]  # fmt: skip
+            pairs.append(([i, partners[0]], [int(near), partners[1]]))
+    return pairs
 
 
 def _bic(fit: JointFit) -> float:

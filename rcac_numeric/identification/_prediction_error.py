@@ -33,6 +33,7 @@ REFINED = 6  # of the best, for each number of integrators, by the prediction er
 PENALTY = 1.5  # times that of BIC
 PAST_U, PAST_Y = 20, 4  # lags by which u is told from its past, and from what it answers to
 FEEDBACK = 3.0  # times the penalty of BIC: u that is held or filtered is no answer to y
+FOLLOWED = 0.2  # median over standard deviation of what of u moves a few times; Gaussian: 0.67
 STIRRED = 1e-3  # of u: what of it must not follow from y, or from its own past
 EXACT = 1e-7  # of y: prediction errors that are rounding, and correlated with anything
 TESTED = 20  # lags of the cross-correlation of innovations and excitation
@@ -200,7 +201,9 @@ def leads(u: Array, y: Array) -> bool:
     """Whether y(k) predicts u(k) because it responds to u(k), in an open loop.
 
     A controller that reads y(k) has a u(k) that past y predicts beside past u, unless it has no
-    state, white dither and a white disturbance; then u(k) depends on y(k) alone.
+    state, white dither and a white disturbance; then u(k) depends on y(k) alone. Where its dither
+    or command hardly moves, past u determines past y; then u(k) follows from y(k) and the past
+    exactly but at a few steps.
     """
     steps = len(u)
     now = _unit(lagged(u[:, None], PAST_U + 1))
@@ -214,7 +217,9 @@ def leads(u: Array, y: Array) -> bool:
             past_u, np.hstack([past_u, past_y]), y_now, np.hstack([y_now, past_u, past_y]),
         )
     ]  # fmt: skip
-    return criteria[0] < criteria[1] and criteria[3] < criteria[2]
+    rest = u_now[:, 0] - _fitted(np.hstack([y_now, past_u, past_y]), u_now[:, 0])
+    is_followed = float(np.median(np.abs(rest))) < FOLLOWED * float(np.std(rest))
+    return criteria[0] < criteria[1] and criteria[3] < criteria[2] and not is_followed
 
 
 def _fitted(columns: Array, target: Array) -> Array:
