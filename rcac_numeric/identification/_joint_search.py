@@ -178,12 +178,13 @@ class JointSearch:
     def _rank(self) -> None:
         self.fits = [
             one for one in self.fits
-            if all(
-                (not c.summed or integrated_share(c.A, c.B) > SHARE)
-                and not _is_endless(c, self.record.longest) for c in one.channels
-            )
+            if all(not c.summed or integrated_share(c.A, c.B) > SHARE for c in one.channels)
         ]  # fmt: skip
-        self.fits.sort(key=_bic)
+        longest = self.record.longest
+        ending = [
+            one for one in self.fits if not any(_is_endless(c, longest) for c in one.channels)
+        ]  # fmt: skip
+        self.fits = sorted(ending or self.fits, key=_bic)
 
     def _begin(self) -> None:
         """From each whitener the poles and delays of all inputs in turn, then short fits."""
