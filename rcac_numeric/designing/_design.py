@@ -543,7 +543,7 @@ class _DesignOptions:
 F = TypeVar("F")
 
 
-class _Search(Protocol[F]):
+class _LogSearches(Protocol[F]):
     """The models of a log in the order in which controllers are designed for them."""
 
     def candidates(self) -> Iterator[F]: ...
@@ -666,7 +666,7 @@ def _basis_of_log(
     return _basis_of_search(search, around)
 
 
-def _basis_of_search(search: _Search[F], around: _DesignOptions) -> _Basis:
+def _basis_of_search(search: _LogSearches[F], around: _DesignOptions) -> _Basis:
     first: tuple[Gate, ...] = ()
     obstacle: NoSolutionError | InputError | None = None
     is_first = False  # the obstacle is that of the best model

@@ -345,7 +345,7 @@ def fitted(
     return None if least is None else _evaluated(record, errors, *least)
 
 
-class Point(Protocol):
+class ErrorPoint(Protocol):
     """Prediction errors at some coefficients."""
 
     @property
@@ -364,11 +364,11 @@ class Point(Protocol):
         """The derivatives of e; None where they leave float64."""
 
 
-P = TypeVar("P", bound=Point)
-P_co = TypeVar("P_co", bound=Point, covariant=True)
+P = TypeVar("P", bound=ErrorPoint)
+P_co = TypeVar("P_co", bound=ErrorPoint, covariant=True)
 
 
-class Errors(Protocol[P_co]):
+class ErrorFunction(Protocol[P_co]):
     """Prediction errors as a function of coefficients."""
 
     def at(self, theta: Array) -> P_co | None:
@@ -379,7 +379,7 @@ class Errors(Protocol[P_co]):
 
 
 def minimised(
-    errors: Errors[P], theta: Array, steps: int, iterations: int, plant: int = 0
+    errors: ErrorFunction[P], theta: Array, steps: int, iterations: int, plant: int = 0
 ) -> tuple[P, Array] | None:
     """The point of least errors from some coefficients, and its derivatives; None if it fails.
 

@@ -124,7 +124,7 @@ class JointFit:
         return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
-class _Errors:
+class _JointErrors:
     """The prediction errors of one structure as a function of its coefficients."""
 
     def __init__(self, record: JointRecord, start: JointStart, weights: Array | None) -> None:
@@ -170,7 +170,7 @@ class _Errors:
             return np.asarray(lfilter(noise.whitener, noise.C, rows)), 0.0
         return errors_with_gaps(rows, noise.whitener, noise.C, self.record.observed[part])
 
-    def at(self, theta: Array) -> _Point | None:
+    def at(self, theta: Array) -> _JointPoint | None:
         """The errors there; None where they leave float64."""
         record = self.record
         polynomials, noise = self.split(theta)
@@ -199,15 +199,15 @@ class _Errors:
                 return None
             if self.weights is not None:
                 white = white * self.weights[part]
-            piece = _Piece.of(raw, white)
+            piece = _FreePart.of(raw, white)
             pieces.append(piece)
             e[part] = white[0] - piece.Q @ piece.coefficients
         scale = float(np.exp(total / (2 * record.count)))
-        return _Point(self, theta, x, v, pieces, scale * e, scale)
+        return _JointPoint(self, theta, x, v, pieces, scale * e, scale)
 
 
 @dataclass(frozen=True, eq=False)
-class _Piece:
+class _FreePart:
     """What is free in a part: its rows, and an orthonormal basis of them when they are white."""
 
     raw: Array
@@ -217,7 +217,7 @@ class _Piece:
     coefficients: Array
 
     @classmethod
-    def of(cls, raw: Array, white: Array) -> _Piece:
+    def of(cls, raw: Array, white: Array) -> _FreePart:
         """The basis, and its share in the errors."""
         F = white[1:]
         size = np.sqrt(np.einsum("ij,ij->i", F, F))
@@ -237,14 +237,14 @@ class _Piece:
 
 
 @dataclass(eq=False)
-class _Point:
+class _JointPoint:
     """The errors at some coefficients, and their derivatives where they are needed."""
 
-    errors: _Errors
+    errors: _JointErrors
     theta: Array
     x: list[Array]
     v: Array
-    pieces: list[_Piece]
+    pieces: list[_FreePart]
     e: Array
     scale: float
 
@@ -309,14 +309,14 @@ def joint_fit(
     errors are those of the Kalman filter of the noise, and the sum of squares is that of the
     likelihood, det^(1/N) e'e.
     """
-    errors = _Errors(record, start, weights)
+    errors = _JointErrors(record, start, weights)
     theta = errors.joined([(one.A, one.B) for one in start.channels], start.noise)
     least = minimised(errors, theta, record.count, iterations)
     if least is None:
         return None
     point, J = least
     if weights is not None:
-        plain = _Errors(record, start, None)
+        plain = _JointErrors(record, start, None)
         v = [piece.remainder()[0] for piece in point.pieces]
         noise = plain.split(point.theta)[1]
         whitened = [plain.whitened(noise, one[None], i) for i, one in enumerate(v)]
@@ -366,7 +366,7 @@ def joint_disturbance(record: JointRecord, channels: tuple[Channel, ...]) -> Arr
 
 def joint_residual(record: JointRecord, fit: JointFit) -> Array:
     """What plant, levels and slopes leave of y, at the observed steps."""
-    errors = _Errors(record, fit.start, None)
+    errors = _JointErrors(record, fit.start, None)
     theta = errors.joined([(one.A, one.B) for one in fit.channels], fit.noise)
     point = errors.at(theta)
     v = joint_disturbance(record, fit.channels)

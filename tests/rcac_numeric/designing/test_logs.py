@@ -283,7 +283,7 @@ def test_a_frame_of_two_inputs_and_outputs_with_gaps_has_a_controller():
     frame = frame[np.random.default_rng(1).random(len(frame)) > 0.1]
     log = rn.read_log(frame, {"u": ["a", "b"], "y": ["T1", "T2"]})
     designed = rn.design(log, **QUICK)
-    with pytest.raises(InputError, match="read_log makes a log of it.*a, b, T1, T2"):
+    with pytest.raises(InputError, match=r"read_log makes a log of it.*a, b, T1, T2"):
         rn.design(frame)
     model = designed.logged.model
     assert designed.model.sample_time == 60.0 and np.isnan(log.u).any()

@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.compiled._gaps import errors_with_gaps
 from rcac_numeric.identification import identify_process_matrix
 from rcac_numeric.identification._box_jenkins import NoiseModel
-from rcac_numeric.identification._joint_fits import Channel, JointStart, _Errors
+from rcac_numeric.identification._joint_fits import Channel, JointStart, _JointErrors
 from rcac_numeric.identification._joint_records import _smoothed, inputs_of, joint_record
 
 
@@ -81,7 +81,7 @@ def test_the_gradient_is_that_of_the_prediction_errors(
     channels = (Channel(0, np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1),
                 Channel(1, np.array([1, -0.7]), np.array([0.2, 0.1]), 0, True))  # fmt: skip
     weights = 1 + 0.5 * np.sin(np.arange(200)) if weighted else None
-    errors = _Errors(record, JointStart(channels, noise, slope), weights)
+    errors = _JointErrors(record, JointStart(channels, noise, slope), weights)
     theta = errors.joined([(one.A, one.B) for one in channels], noise)
     point, h = errors.at(theta), 1e-6
     J = point.jacobian()
