@@ -12,6 +12,7 @@ from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import number
+from rcac_numeric.arrays._values import Value
 from rcac_numeric.identification._joint_evidence import (
     Names,
     effect_gates,
@@ -43,7 +44,7 @@ SHORTEST_TEST = 100  # steps of a test of feedback
 
 
 @dataclass(frozen=True, eq=False)
-class ProcessMatrix(Truth):
+class ProcessMatrix(Value, Truth):
     """y_i = sum over j of q^-delay_ij B_ij/A_ij u_j + level + noise_i, with its evidence.
 
     Attributes

@@ -28,7 +28,8 @@ NO_DATA = ESTIMATORS | {
     rcac.Recorder, rcac.SupervisionWarning, rcac.TargetLearner, rcac.results.ScheduledSteps,
     rcac.PredictiveCostController,
 }  # fmt: skip
-SLOW = {cls: SAMPLES[cls] for cls in (rcac.results.Design, rcac.results.LoggedPlant)}
+LOGGED = (rcac.results.LoggedPlant, rcac.results.LoggedMatrix)
+SLOW = {cls: SAMPLES[cls] for cls in (rcac.results.Design, *LOGGED)}
 QUICK = {cls: sample for cls, sample in SAMPLES.items() if cls not in SLOW}
 
 
