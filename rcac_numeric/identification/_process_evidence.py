@@ -297,7 +297,7 @@ def require_delay(feedthrough: Gate) -> None:
     if not feedthrough.passed:
         raise InputError(
             f"y(k) responds to u(k): {feedthrough.words}. u and y of a row are one step apart: "
-            "log y before u is applied, or shift y by one row, y[1:] with u[:-1]."
+            "log y before u is applied, or pair y[:-1] with u[1:]."
         )
 
 
