@@ -2,7 +2,7 @@
 
 Four kinds of logs, told apart in the table:
 
-- "2x2": two inputs and outputs; entries of first and second order, nonminimum phase or integrating,
+- "2x2": two inputs and outputs; entries of first and second order or nonminimum phase, all stable,
   some of them 0, each with its own dead time; moved by independent binary signals, white noise,
   steps one after another, signals that are correlated, an input at rest for half of the log, or a
   dither in a decentralised closed loop.

@@ -34,6 +34,7 @@ from rcac_numeric.identification._joint_records import (
     matrix_signal,
 )
 from rcac_numeric.identification._joint_search import JointSearch
+from rcac_numeric.identification._joint_stability import LIMIT, OPEN_LIMIT, unstable_root
 from rcac_numeric.identification._prediction_error import answers, leads
 from rcac_numeric.identification._process import scalar_model
 from rcac_numeric.identification._process_evidence import Gate
@@ -197,8 +198,9 @@ def _searched(
     inputs = inputs_of(u, starts)
     names = Names(u.shape[1], y.shape[1])
     searches, words = [], list(inputs.words)
-    for i in range(y.shape[1]):
-        record = joint_record(inputs, y[:, i], names.y(i))
+    records = [joint_record(inputs, row, names.y(i)) for i, row in enumerate(y.T)]
+    _require_stable(records, names)
+    for i, record in enumerate(records):
         search, without = _with_effects(record, i, names)
         searches.append(search)
         words += without
@@ -208,6 +210,22 @@ def _searched(
                 f"the record shows no effect of {names.u(j)}: excite it more, or leave it out."
             )
     return MatrixSearch(tuple(searches), inputs, tuple(words), is_direct)
+
+
+def _require_stable(records: Sequence[JointRecord], names: Names) -> None:
+    """Raise an error where the plant of an output seems unstable: all models here are stable."""
+    is_closed = any(is_controlled(one, j) for one in records for j in range(len(one.u)))
+    for i, record in enumerate(records):
+        with np.errstate(all="ignore"):
+            root = unstable_root(record, LIMIT if is_closed else OPEN_LIMIT)
+        if root is not None:
+            raise UndecidedError(
+                f"the plant of {names.y(i)} seems unstable: a long regression of {names.y(i)} on "
+                f"its past and that of u has a root of modulus {abs(root):.4g}, outside the "
+                "unit circle. Models of several signals, experiments or gaps are of stable and "
+                "integrating plants. identify_process and design take unstable ones from one "
+                "record of one input and one output, without gaps, in a stabilised loop."
+            )
 
 
 def _with_effects(record: JointRecord, i: int, names: Names) -> tuple[JointSearch, list[str]]:
@@ -302,7 +320,9 @@ def identify_process_matrix(
     InputError
         Where an input is constant or follows from the others, or the record is too short.
     UndecidedError
-        Where no input has an effect on an output, or an input has none.
+        Where no input has an effect on an output, or an input has none; or where the plant seems
+        unstable: a long regression has a root outside the unit circle, by its 95 % deviation where
+        u responds to y.
 
     Notes
     -----

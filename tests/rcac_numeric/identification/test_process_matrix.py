@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import cholesky, solve_triangular, toeplitz
 from scipy.signal import lfilter
+from scipy.stats import binom
 
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.compiled._gaps import errors_with_gaps
@@ -13,6 +14,7 @@ from rcac_numeric.identification import identify_process_matrix
 from rcac_numeric.identification._box_jenkins import NoiseModel
 from rcac_numeric.identification._joint_fits import Channel, JointStart, _JointErrors
 from rcac_numeric.identification._joint_records import _smoothed, inputs_of, joint_record
+from rcac_numeric.identification._joint_stability import LIMIT, unstable_root
 
 
 def binary(rng, steps, hold):
@@ -157,6 +159,48 @@ def test_direct_feedthrough_of_an_entry():
     assert model.is_direct and first.is_direct and not second.is_direct
     assert first.numerator[0] == pytest.approx(0.5, abs=0.05)
     assert np.abs(model.response(0.1)[0, 0, 0] / (0.5 / (1 - 0.7 * np.exp(-0.1j))) - 1) < 0.05
+
+
+def stabilised(seed, pole, steps=500):
+    """A loop with proportional gains of x_1(k+1) = pole x_1 + u_1 + 0.2 u_2, and a stable x_2."""
+    rng = np.random.default_rng(seed)
+    u, y, x = np.zeros((steps, 2)), np.zeros((steps, 2)), np.zeros(2)
+    dither = np.stack([binary(rng, steps, 4), binary(rng, steps, 9)], 1)
+    for k in range(steps):
+        y[k] = x + 0.2 * rng.standard_normal(2)
+        u[k] = dither[k] - [0.4, 0.1] * y[k]
+        x = np.array([[pole, 0], [0, 0.8]]) @ x + np.array([[1, 0.2], [0.1, 0.5]]) @ u[k]
+    return u + 2.0, y - 3.0
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("kind", ["2x2", "gaps", "experiments"])
+def test_unstable_plants_are_refused(kind, seed):
+    u, y = stabilised(seed, 1.02 + 0.01 * seed)
+    options, rng = {}, np.random.default_rng(seed)
+    if kind == "gaps":
+        u, y = u[:, :1], y[:, :1]
+        y[rng.random(500) < 0.1] = np.nan
+        u[rng.random(500) < 0.05] = np.nan
+    if kind == "experiments":
+        other, output = stabilised(seed + 100, 1.02 + 0.01 * seed, 300)
+        u, y = np.vstack([u, other]), np.vstack([y, output + 5.0])
+        options = {"experiments": (500, 300)}
+    with pytest.raises(UndecidedError, match=r"seems unstable.*identify_process"):
+        identify_process_matrix(u, y, **options)
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("pole", [0.9, 1.0])
+def test_loops_of_stable_and_integrating_plants_have_no_unstable_root(pole):
+    """By the level of the test: at most 5 % of them."""
+    found = 0
+    for seed in range(40):
+        u, y = stabilised(seed, pole)
+        record = joint_record(inputs_of(u, (0,)), y[:, 0], "y")
+        found += unstable_root(record, LIMIT) is not None
+    assert found <= binom.isf(1e-3, 40, 0.05)
 
 
 U, Y = two_by_two(4, 300)
