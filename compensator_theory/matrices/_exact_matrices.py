@@ -60,10 +60,10 @@ def _in_rows(value: Any, name: str) -> Any:
     is_flat = isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1
     if name not in ("B", "C") or not is_flat:
         return value
+    ask("entries", len(value), f"the matrix {name}")  # before each entry is looked at
     entries = [*value]
     if not entries or any(hasattr(e, "__len__") and not isinstance(e, str) for e in entries):
         return value
-    ask("entries", len(entries), f"the matrix {name}")
     return [[entry] for entry in entries] if name == "B" else [entries]
 
 

@@ -23,6 +23,7 @@ from rcac_numeric.identification._process_records import (
     without_spikes,
 )
 
+SMALLEST = 1e-120  # size of a signal, whose squares are in float64
 LONGEST_GAP = 20  # missing steps of u in a row: after more of them the state is free
 PAST = 10  # of u, by which its missing steps are expected
 MOST_MISSING = 0.5  # of the steps
@@ -203,6 +204,9 @@ def matrix_signal(values: ArrayLike, name: str) -> Array:
         )
     if np.isinf(array).any():
         raise InputError(f"{name} is infinite at some steps; NaN marks what is missing.")
+    largest = float(np.abs(array[~np.isnan(array)]).max(initial=0.0))
+    if largest and not SMALLEST < largest < 1 / SMALLEST:  # its squares leave float64
+        raise InputError(f"{name} reaches {largest:.3g}; scale its unit so that it is near 1.")
     return array
 
 

@@ -347,13 +347,13 @@ def identify_process_matrix(
     period = None if sample_time is None else number(sample_time, "sample_time")
     if period is not None and not period > 0:
         raise InputError(f"sample_time = {period:g} must be positive; give it in seconds.")
-    search = matrix_search(u, y, experiments)
     gates: list[Gate] = []
     with np.errstate(all="ignore"):
+        search = matrix_search(u, y, experiments)
         for i, (one, fit) in enumerate(zip(search.searches, search.best, strict=True)):
             gates += effect_gates(one, fit, i, search.names)
             gates += gain_gates(one, fit, i, search.names)
-    return process_matrix(search, search.best, tuple(gates), period)
+        return process_matrix(search, search.best, tuple(gates), period)
 
 
 def process_matrix(

@@ -184,6 +184,10 @@ FUNCTIONS = {
         "mu": draw(st.integers(1, 6)), "n_mod": draw(st.integers(0, 3)), **ARX
     },
     "instruction_sets": lambda draw: {},
+    "errors_with_gaps": lambda draw: {
+        "signals": some(draw, 2, 6), "whitener": np.array([1.0, -0.5]),
+        "C": np.array([1.0, 0.3, 0.1]), "observed": np.array([1.0, 1, 0, 1, 0, 1]),
+    },
     "controller": controller,
     "linear_plant": lambda draw: plant_arguments(draw, *ONES),
     "python_plant": lambda draw: python_plant_arguments(draw, *ONES),

@@ -144,7 +144,6 @@ def test_sample_times_that_differ_by_rounding_are_equal(dt, asked):
 
 
 REFUSED = [
-    case("pc-626-sampled", lambda: plant_of("exp(-s)/(s + 1)", sample_time=0.1)),
     case("SymPy-21585", lambda: zero_order_hold("1/(s**3 + s + 1)", "1/2", variable="s")),
     case(
         "another-sample-time", lambda: plant_of(control.tf([0.5], [1, -0.5], 0.3), sample_time=0.7)

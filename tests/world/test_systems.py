@@ -240,10 +240,17 @@ REFUSED = [
     case("text-i", lambda: ct.transfer_function("1/(s + i)", "s"), "I"),
     case("text-0/0", lambda: ct.transfer_function("0/0", "s"), "zero|0"),
     case("text-nan", lambda: ct.transfer_function("nan/(s + 1)"), "nan"),
-    case("pc-626", lambda: ct.transfer_function(sp.exp(-s) / (s + 1), "s"), "exp"),
-    case("pc-238-text", lambda: ct.transfer_function("exp(-5*s)/(s + 1)", "s"), "exp"),
+    case("pc-626", lambda: ct.realisation(sp.exp(-s) / (s + 1), "s"), "pade"),
+    case("pc-238-text", lambda: ct.partial_fractions("exp(-5*s)/(s + 1)", "s"), "pade"),
     case("two-variables", lambda: ct.transfer_function("(s + 1)/(z + 1)"), "variable"),
 ]
+
+
+def test_a_dead_time_is_part_of_a_system():
+    """pc-626, pc-238: exp(-5*s) in a transfer function, as expression and as text."""
+    for one in (sp.exp(-5 * s) / (s + 1), "exp(-5*s)/(s + 1)"):
+        G = ct.transfer_function(one, "s")
+        assert (G.delay, G.rational) == (5, ct.transfer_function("1/(s + 1)"))
 
 
 @pytest.mark.parametrize(("ask", "words"), REFUSED)

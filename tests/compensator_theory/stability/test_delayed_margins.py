@@ -107,7 +107,8 @@ def test_phase_crossovers_are_those_of_a_grid(G, delay):
 @example(transfer_function("3/(2*s - 2)"), "1/10")
 def test_at_its_margins_a_loop_has_a_root_on_the_axis(G, delay):
     margins = margins_of(G, delay)
-    assume(margins.is_stable)
+    if not margins.is_stable:
+        return
     for margin in (margins.gain_up, margins.gain_down):
         if margin.is_reached:
             L = curve(margins, float(margin.frequency), float(margin.value))
@@ -122,7 +123,8 @@ def test_at_its_margins_a_loop_has_a_root_on_the_axis(G, delay):
 @example(transfer_function("1/(s**2 + s + 1)"), "1")
 def test_the_delay_margin_ends_the_window_of_stability_delays(G, delay):
     margins = margins_of(G, delay)
-    assume(margins.is_stable)
+    if not margins.is_stable:
+        return
     windows = margins.delays.windows
     (upper,) = [
         b for a, b in windows

@@ -292,6 +292,8 @@ def test_a_plant_with_a_minus_sign_is_no_option(rcac, plant):
     assert "No such option" in rcac("design", "-x", plant).stderr
 
 
-def test_a_dead_time_in_a_formula_is_told_its_option(rcac):
-    stderr = rcac("design", "exp(-0.5*s)/(s + 1)", "--assume").stderr
-    assert "exp(-s/2)" in stderr and "--dead-time 0.5" in stderr
+def test_a_dead_time_in_a_formula_that_contradicts_the_option_is_refused(rcac):
+    both = rcac("design", "exp(-0.5*s)/(s + 1)", "--sample-time", "1", "--dead-time", "2")
+    assert both.exit_code != 0 and "dead" in both.stderr
+    unsampled = rcac("design", "exp(-0.5*s)/(s + 1)", "--assume")
+    assert "--sample-time" in unsampled.stderr

@@ -87,6 +87,7 @@ DOORS = {
 # `sample_time` are in signals/test_clock.py.
 RESULTS = {
     "Margins", "Clock", "ProcessModel", "StepResponse", "identify_process",
+    "identify_process_matrix", "ProcessMatrix",
     "identify_step_response", "read_log",
 }  # fmt: skip
 CASES = [(door, name) for door, cases in DOORS.items() for name in cases]
