@@ -76,7 +76,8 @@ def compares(cls, sample, seed, other):
     value, again, different = (sample(s) for s in (seed, seed, other))
     assert value is not again
     assert value == again and hash(value) == hash(again)
-    assert value != different
+    # Of few options two seeds may draw the same.
+    assert value != different or repr(value) == repr(different)
     assert value != "something else"
     for name in field_names(cls, compared=True):
         if equal(getattr(value, name), getattr(different, name)):
