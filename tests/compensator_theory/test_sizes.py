@@ -33,6 +33,7 @@ from compensator_theory.forms import (
 )
 from compensator_theory.matrices._echelon import echelon, pivot_columns
 from compensator_theory.matrices._linear_algebra import rank
+from compensator_theory.polynomials._poly import quotient_modulo
 from compensator_theory.roots._descartes import real_root_balls
 from compensator_theory.roots._unit_circle import _has_root_on_circle
 from tests.support.work import at_most
@@ -235,6 +236,16 @@ def test_the_formula_of_a_gain_is_made_of_rational_rows():
         ).formula
     assert formula.certificate.holds
     assert len(formula.relations) == n
+
+
+def test_a_quotient_modulo_a_rational_factor_is_left_to_flint():
+    """Euclid's algorithm in SymPy's lists takes 9000 calls, and minutes for a loop of order 40."""
+    s, draw = sympy.Symbol("s"), random.Random(1)
+    factor, top = (sympy.Poly([1, *(draw.randint(-9, 9) for _ in range(n))], s, domain="QQ")
+                   for n in (60, 59))  # fmt: skip
+    with at_most(2_000):
+        quotient = quotient_modulo(factor, top, top + 1)
+    assert (quotient * (top + 1) - top).rem(factor).is_zero
 
 
 def test_a_gain_margin_is_read_and_printed_without_the_roots_of_sympy():
