@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -21,7 +21,7 @@ from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
-from compensator_theory.polynomials._poly import canonical, is_rational
+from compensator_theory.polynomials._poly import canonical, common_divisor, is_rational
 from compensator_theory.polynomials._reading import PolynomialOrSystem, polynomial_in_time
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import RootCount, count_roots
@@ -143,7 +143,7 @@ class RouthArray(_Table, ExactValue):
         """
         if is_rational(self.polynomial):
             return count_roots(self.polynomial, time="continuous")
-        if self.sign_changes is None or (self.zero_rows and self.zero_pivots):
+        if self.sign_changes is None or (self.zero_pivots and self._may_have_roots_on_axis()):
             return None
         on_axis = 0
         if self.zero_rows:
@@ -153,6 +153,12 @@ class RouthArray(_Table, ExactValue):
             on_axis = int(auxiliary.degree()) - 2 * changes
         total = len(self.rows) - 1
         return RootCount(total - on_axis - self.sign_changes, on_axis, self.sign_changes)
+
+    def _may_have_roots_on_axis(self) -> bool:
+        """Whether roots are symmetric about 0, as those are with which epsilon misleads."""
+        p = self.polynomial
+        mirrored = p.compose(Poly(-p.gen, p.gen, domain=p.domain))
+        return bool(common_divisor(p, mirrored).degree() > 0)
 
     @property
     def conditions(self) -> tuple[Expr, ...]:
@@ -175,13 +181,13 @@ class RouthArray(_Table, ExactValue):
     @property
     def exceptional(self) -> tuple[Expr, ...]:
         """Elements of the first column with symbols: where one is zero, the array is another."""
-        return tuple(entry for entry in self.first_column[:-1] if entry.free_symbols)
+        return tuple(entry for entry in self.first_column if entry.free_symbols)
 
     @property
     def conclusion(self) -> str:
         """The number of unstable roots, or the conditions for stability, in one sentence."""
         if (count := self.count) is None:
-            return f"stable if and only if {_positive(self.conditions)}"
+            return _by_conditions(self.conditions)
         if count.unstable == 0 and count.boundary == 0:
             return "no sign change: every root has a negative real part"
         parts = [f"{_roots(count.unstable)} in the open right half plane"]
@@ -364,7 +370,7 @@ class JuryArray(_Table, ExactValue):
     def conclusion(self) -> str:
         """The number of unstable roots, or the conditions for stability, in one sentence."""
         if (count := self.count) is None:
-            return f"stable if and only if {_positive(self.conditions)}"
+            return _by_conditions(self.conditions)
         if count.unstable == 0 and count.boundary == 0:
             return "every condition holds: every root lies inside the unit circle"
         parts = [f"{_roots(count.unstable)} outside the unit circle"]
@@ -497,8 +503,13 @@ def _sign(entry: Expr, epsilon: Symbol | None) -> int | None:
     return 1 if value.is_positive else -1 if value.is_negative else None
 
 
-def _positive(conditions: Iterable[Expr]) -> str:
-    return ", ".join(f"{text(condition)} > 0" for condition in conditions) or "true"
+def _by_conditions(conditions: Sequence[Expr]) -> str:
+    """The conclusion where roots are not counted: the conditions, or that one of them fails."""
+    for condition in conditions:
+        if condition.is_nonpositive:
+            return f"not stable: the condition {text(condition)} > 0 fails"
+    written = ", ".join(f"{text(condition)} > 0" for condition in conditions)
+    return f"stable if and only if {written}" if written else "stable: every condition holds"
 
 
 def _roots(count: int) -> str:

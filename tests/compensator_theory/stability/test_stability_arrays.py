@@ -98,6 +98,39 @@ def test_the_array_counts_where_symbols_do_not_decide():
     assert ct.jury_array("z + a").count is None
 
 
+@pytest.mark.parametrize(
+    ("text", "stable", "counted"),
+    [
+        ("(s**2 + sqrt(2))*(s - 1)*(s**2 + s + 2 + sqrt(2))", False, None),  # epsilon misleads
+        ("s**3 + sqrt(2)*s**2 + 3*s + 1", True, 3),
+        ("s**4 + s**3 + sqrt(2)*s**2 + sqrt(2)*s + 1", False, 2),
+    ],
+)
+def test_irrational_numbers(text, stable, counted):
+    """Counted by the array where no root can be on the axis; the signs of the roots by mpmath."""
+    array = ct.routh_array(text)
+    roots = [complex(r) for r in sympy.Poly(sympy.sympify(text), sympy.Symbol("s")).nroots(n=30)]
+    assert all(r.real < -1e-20 for r in roots) == stable
+    assert all(condition.is_positive for condition in array.conditions) == stable
+    assert array.conclusion.startswith("not stable" if counted is None else array.conclusion[:1])
+    if counted is None:
+        assert array.count is None
+    else:
+        assert array.count.stable == counted
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("z**2 + sqrt(2)*z/3 + sqrt(3)/9", "stable: every condition holds"),
+        ("z**2 + sqrt(2)*z + 2", "not stable: the condition"),
+        ("z**2 + sqrt(2)*a*z", "stable if and only if"),
+    ],
+)
+def test_jury_with_irrational_numbers(text, words):
+    assert ct.jury_array(text, "z").conclusion.startswith(words)
+
+
 def test_epsilon_that_misleads_is_named():
     """Where roots lie on the axis beside a zero pivot the count is the exact one."""
     array = ct.routh_array("(s**2 + 1)*(s - 1)*(s**2 + s + 3)")
