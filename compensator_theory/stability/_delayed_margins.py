@@ -47,6 +47,7 @@ from compensator_theory.stability._margins import (
 from compensator_theory.stability._nearest_margins import (
     Crossing,
     Margin,
+    PhaseMargins,
     nearest,
     nearest_phase,
 )
@@ -59,7 +60,7 @@ from compensator_theory.systems._delayed_transfer_functions import (
 
 
 @dataclass(frozen=True)
-class DelayedStabilityMargins(ExactValue):
+class DelayedStabilityMargins(PhaseMargins, ExactValue):
     r"""The crossovers of a loop with one dead time, whether it is stable, and its margins.
 
     .. math:: 1 + L, \qquad L = -f\,G G_c = \frac{N(s)}{D(s)}\,e^{-\theta s}, \qquad
@@ -145,24 +146,6 @@ class DelayedStabilityMargins(ExactValue):
 
     def _factors(self) -> list[Crossing]:
         return [(c.gain_enclosure, c.frequency) for c in self.phase_crossovers]
-
-    @property
-    def phase_lag(self) -> Margin | None:
-        """The least lag in degrees, in (0, 360), that ends stability; None for an unstable loop."""
-        return self._phase(lead=False)
-
-    @property
-    def phase_lead(self) -> Margin | None:
-        """The least lead in degrees, in (0, 360), that does so; None for an unstable loop."""
-        return self._phase(lead=True)
-
-    @property
-    def phase(self) -> Margin | None:
-        """The lesser of lag and lead, at most 180 degrees; None for an unstable loop."""
-        lag, lead = self.phase_lag, self.phase_lead
-        if lag is None or lead is None:
-            return None
-        return lead if bool(float(lead.value) < float(lag.value)) else lag
 
     def _phase(self, *, lead: bool) -> Margin | None:
         if not self.is_stable:

@@ -42,6 +42,7 @@ from compensator_theory.stability._critical_values import (
 )
 from compensator_theory.stability._nearest_margins import (
     Margin,
+    PhaseMargins,
     SymmetricDiskMargin,
     half_circle,
     nearest,
@@ -130,7 +131,7 @@ class PhaseCrossover(ExactValue):
 
 
 @dataclass(frozen=True)
-class StabilityMargins(ExactValue):
+class StabilityMargins(PhaseMargins, ExactValue):
     r"""All crossovers of a loop :math:`1 + L`, whether it is stable as it is, and its margins.
 
     The margins `gain_up`, `gain_down` (factors), `phase_lag`, `phase_lead`, `phase` (degrees),
@@ -222,24 +223,6 @@ class StabilityMargins(ExactValue):
             for c in self.phase_crossovers
         ]
         return nearest_gain(self.gains.upper if up else self.gains.lower, crossings, up=up)
-
-    @property
-    def phase_lag(self) -> Margin | None:
-        """The least lag in degrees, in (0, 360), that ends stability; None for an unstable loop."""
-        return self._phase(lead=False)
-
-    @property
-    def phase_lead(self) -> Margin | None:
-        """The least lead in degrees, in (0, 360), that does so; None for an unstable loop."""
-        return self._phase(lead=True)
-
-    @property
-    def phase(self) -> Margin | None:
-        """The lesser of lag and lead, at most 180 degrees; None for an unstable loop."""
-        lag, lead = self.phase_lag, self.phase_lead
-        if lag is None or lead is None:
-            return None
-        return lead if bool(float(lead.value) < float(lag.value)) else lag
 
     def _phase(self, *, lead: bool) -> Margin | None:
         if not self.is_stable:

@@ -169,6 +169,32 @@ def nearest_gain(end: Expr, crossings: Iterable[Crossing], *, up: bool) -> Margi
     return Margin(end, changes)
 
 
+class PhaseMargins:
+    """The phase margins that loops with and without a dead time have in common."""
+
+    def _phase(self, *, lead: bool) -> Margin | None:
+        """The least lag or lead that ends stability; None for an unstable loop."""
+        raise NotImplementedError
+
+    @property
+    def phase_lag(self) -> Margin | None:
+        """The least lag in degrees, in (0, 360), that ends stability; None for an unstable loop."""
+        return self._phase(lead=False)
+
+    @property
+    def phase_lead(self) -> Margin | None:
+        """The least lead in degrees, in (0, 360), that does so; None for an unstable loop."""
+        return self._phase(lead=True)
+
+    @property
+    def phase(self) -> Margin | None:
+        """The lesser of lag and lead, at most 180 degrees; None for an unstable loop."""
+        lag, lead = self.phase_lag, self.phase_lead
+        if lag is None or lead is None:
+            return None
+        return lead if bool(float(lead.value) < float(lag.value)) else lag
+
+
 def nearest_phase(
     crossings: Sequence[Crossing], ends: Sequence[Frequency], *, lead: bool
 ) -> Margin:

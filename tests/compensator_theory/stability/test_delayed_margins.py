@@ -10,7 +10,11 @@ from hypothesis import strategies as st
 import compensator_theory as exact
 from compensator_theory import InputError, stability_margins, transfer_function
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.strategies import strictly_proper_plants
+from compensator_theory.strategies import (
+    hurwitz_spectra,
+    polynomials,
+    strictly_proper_plants,
+)
 from tests.support.delay_roots import delay_roots
 
 DELAYS = st.sampled_from(["1/10", "1/3", "1", "7/2"])
@@ -27,6 +31,22 @@ def margins_of(G, delay):
         return stability_margins(exact.DelayedTransferFunction(G, delay), feedback=-1)
     except NoSolutionError:
         assume(False)
+
+
+@st.composite
+def stable_loops(draw):
+    """A Hurwitz plant and a delay with a stable loop: the gain is lowered until it is."""
+    roots = draw(st.integers(1, 3).flatmap(hurwitz_spectra))
+    D = exact.polynomial_from_roots(roots, "s")
+    N = draw(polynomials(max_degree=int(D.degree()) - 1))
+    G, delay = exact.TransferFunction(N if not N.is_zero else N + 1, D), draw(DELAYS)
+    while True:
+        try:
+            if stability_margins(exact.DelayedTransferFunction(G, delay), feedback=-1).is_stable:
+                return G, delay
+        except NoSolutionError:  # the root 0, with another gain not
+            pass
+        G = G / 3
 
 
 def curve(margins, omega, factor=1.0, more=0.0):
@@ -102,13 +122,12 @@ def test_phase_crossovers_are_those_of_a_grid(G, delay):
 
 
 @pytest.mark.costly
-@given(strictly_proper_plants(max_order=3), DELAYS)
-@example(transfer_function("1/(s + 1)"), "1")
-@example(transfer_function("3/(2*s - 2)"), "1/10")
-def test_at_its_margins_a_loop_has_a_root_on_the_axis(G, delay):
-    margins = margins_of(G, delay)
-    if not margins.is_stable:
-        return
+@given(stable_loops())
+@example((transfer_function("1/(s + 1)"), "1"))
+@example((transfer_function("3/(2*s - 2)"), "1/10"))
+def test_at_its_margins_a_loop_has_a_root_on_the_axis(loop):
+    margins = margins_of(*loop)
+    assert margins.is_stable
     for margin in (margins.gain_up, margins.gain_down):
         if margin.is_reached:
             L = curve(margins, float(margin.frequency), float(margin.value))
@@ -119,12 +138,11 @@ def test_at_its_margins_a_loop_has_a_root_on_the_axis(G, delay):
 
 
 @pytest.mark.costly
-@given(strictly_proper_plants(max_order=3), DELAYS)
-@example(transfer_function("1/(s**2 + s + 1)"), "1")
-def test_the_delay_margin_ends_the_window_of_stability_delays(G, delay):
-    margins = margins_of(G, delay)
-    if not margins.is_stable:
-        return
+@given(stable_loops())
+@example((transfer_function("1/(s**2 + s + 4)"), "1/10"))
+def test_the_delay_margin_ends_the_window_of_stability_delays(loop):
+    margins = margins_of(*loop)
+    assert margins.is_stable
     windows = margins.delays.windows
     (upper,) = [
         b for a, b in windows
