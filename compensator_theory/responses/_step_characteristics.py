@@ -53,6 +53,8 @@ class StepCharacteristics:
         @property
         def is_discrete(self) -> bool: ...
 
+        def __call__(self, time: NumberLike) -> Expr: ...
+
     def overshoot(self) -> Enclosure:
         """Return the largest excess over the final value, as a fraction of it; 0 if there is none.
 
@@ -146,10 +148,14 @@ class StepCharacteristics:
             raise InputError(f"{subject} is a fraction of the final value, which is 0")
         unit = Poly([1, -1] if self.is_discrete else [1, 0], self.terms[0].factor.gen, domain="QQ")
         others = [mode for mode in self.terms if mode.factor != unit]
-        kind = _Samples if self.is_discrete else _Signal
+
+        def exact(step: int) -> Expr:
+            return self(step) / final - 1
 
         def attempt(bits: int) -> Enclosure | None:
-            return search(kind(others, final, bits))
+            if self.is_discrete:
+                return search(_Samples(others, final, bits, exact))
+            return search(_Signal(others, final, bits))
 
         return at_growing_precision(attempt, 128, subject)
 
@@ -315,13 +321,32 @@ class _Signal(_Error):
 
 
 class _Samples(_Error):
-    """In discrete time."""
+    """In discrete time, where a value may be that of a limit exactly."""
+
+    def __init__(
+        self, modes: Sequence[Mode], final: Expr, bits: int, exact: Callable[[int], Expr]
+    ) -> None:
+        """Read the modes that decay, and the function that returns the error at a step exactly."""
+        super().__init__(modes, final, bits)
+        self.exact = exact
+
+    def _is_above(self, k: int, limit: Rational, *, or_equal: bool) -> bool | None:
+        """Whether the error at a step exceeds a limit; where balls do not decide, exactly."""
+        above = _exceeds(self.value(k), ball_of_number(limit))
+        if above is None and (error := self.exact(k)).is_Rational:
+            return bool(error >= limit if or_equal else error > limit)
+        return above
+
+    def _is_outside(self, k: int, band: Rational) -> bool | None:
+        above = self._is_above(k, band, or_equal=False)
+        inside = self._is_above(k, -band, or_equal=True)
+        return None if above is None or inside is None else above or not inside
 
     def settled(self, band: Rational) -> Enclosure | None:
         limit = ball_of_number(band)
         last = -1
         for k in range(self._steps(limit), -1, -1):
-            outside = _exceeds(abs(self.value(k)), limit)
+            outside = self._is_outside(k, band)
             if outside is None:
                 return None
             if outside:
@@ -334,7 +359,7 @@ class _Samples(_Error):
         crossings = []
         for level in (low, high):
             for k in range(steps + 1):
-                reached = _exceeds(self.value(k), ball_of_number(level - 1))
+                reached = self._is_above(k, level - 1, or_equal=True)
                 if reached is None:
                     return None
                 if reached:

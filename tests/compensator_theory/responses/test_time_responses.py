@@ -165,6 +165,13 @@ def test_characteristics_of_sequences(G):
     assert y.rise_time().centre == second - first
 
 
+def test_a_sample_on_the_edge_of_the_band():
+    """1 - 2**-k is within 1/8 from step 3 on and reaches 7/8 there, exactly."""
+    y = ct.step_response("1/(2*z - 1)")
+    assert y.settling_time("1/8").centre == 3
+    assert y.rise_time("1/2", "7/8").centre == 2
+
+
 def test_symbols_keep_their_exceptional_set():
     y = ct.step_response("1/((s + a)*(s + b))")
     assert set(y.exceptional) == {sympy.Symbol("a"), sympy.Symbol("b"), sympy.sympify("a - b")}
