@@ -47,7 +47,12 @@ def representation(value: object) -> str:
     try:
         return repr(value)
     except ValueError:
-        return _written(_Representation, value)
+        return long_representation(value)
+
+
+def long_representation(value: object) -> str:
+    """Return the ``repr`` of a value whose integers Python does not write."""
+    return _written(_Representation, value)
 
 
 def formula(value: object, **settings: object) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from sympy import Expr, ImmutableMatrix, Integer, Matrix, Tuple
 
-from compensator_theory._printing import text
+from compensator_theory._printing import long_representation, text
 
 OF_SYMPY: dict[str, Callable[[Matrix, Matrix], ImmutableMatrix]] = {
     "add": ImmutableMatrix._eval_add,
@@ -68,7 +68,7 @@ class FlintBackedMatrix(ImmutableMatrix):  # type: ignore[misc]
         try:
             return str(super().__repr__())
         except ValueError:
-            return text(self)
+            return long_representation(self)
 
     def _sympyrepr(self, printer: Any) -> str:
         """Return SymPy's representation of the equal ImmutableMatrix."""

@@ -73,7 +73,9 @@ class Enclosure(ExactValue):
         error = self.radius + (Rational(10) ** last / 2 if last > _decade(self.radius) else 0)
         scaled = self.centre / Rational(10) ** last
         rounded = round(Fraction(int(scaled.p), int(scaled.q)))
-        return f"{Decimal(int(rounded)).scaleb(last)} ± {Decimal(float(error)):.1e}"
+        centre = Decimal(int(rounded)).scaleb(last)
+        written = str(centre) if rounded else f"{centre:f}"  # not 0E-13
+        return f"{written} ± {Decimal(float(error)):.1e}"
 
     def _repr_latex_(self) -> str:
         return displayed(self.latex())
