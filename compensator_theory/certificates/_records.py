@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 
 import sympy
 from sympy import Expr, ImmutableMatrix, MatrixBase, Poly, Symbol
+from sympy.polys.polyerrors import CoercionFailed
 
 from compensator_theory._printing import decimal
 from compensator_theory.bezout._common_factors import BezoutIdentity
@@ -119,7 +120,7 @@ def _written(matrix: MatrixBase, symbols: Sequence[Symbol]) -> Record:
             Poly(top, *symbols, domain="QQ") * common.quo(bottom)
             for (top, _), bottom in zip(fractions, bottoms, strict=True)
         ]
-    except sympy.PolynomialError:
+    except (sympy.PolynomialError, CoercionFailed):
         raise InputError(
             "a record has rational functions of symbols; the result contains irrational numbers, "
             "so give rational data, or symbols in their place"
@@ -145,70 +146,70 @@ def _number(c: Expr) -> str:
     return decimal(top) if bottom == 1 else f"{decimal(top)}/{decimal(bottom)}"
 
 
-def _placement(found: PolePlacement) -> RecordWriter:
+def _placement(result: PolePlacement) -> RecordWriter:
     write = RecordWriter(
-        "placement", "D D_c - f N N_c = lambda D~, D dD = f N dN", found.target.gen
+        "placement", "D D_c - f N N_c = lambda D~, D dD = f N dN", result.target.gen
     )
-    plant = found.plant
+    plant = result.plant
     write.matrix("D", plant.denominator)
     write.matrix("N", plant.numerator)
-    write.matrix("D_c", found.denominator)
-    write.matrix("N_c", found.numerator)
-    write.matrix("p", found.target)
-    closed = plant.denominator.as_expr() * found.denominator.as_expr() - (
-        found.feedback * plant.numerator.as_expr() * found.numerator.as_expr()
+    write.matrix("D_c", result.denominator)
+    write.matrix("N_c", result.numerator)
+    write.matrix("p", result.target)
+    closed = plant.denominator.as_expr() * result.denominator.as_expr() - (
+        result.feedback * plant.numerator.as_expr() * result.numerator.as_expr()
     )
-    write.matrix("lambda", Poly(closed, found.target.gen).LC())
-    write.equation((1, ("D", "D_c")), (-found.feedback, ("N", "N_c")), (-1, ("lambda", "p")))
-    for k, (above, below) in enumerate(found.homogeneous):
+    write.matrix("lambda", Poly(closed, result.target.gen).LC())
+    write.equation((1, ("D", "D_c")), (-result.feedback, ("N", "N_c")), (-1, ("lambda", "p")))
+    for k, (above, below) in enumerate(result.homogeneous):
         write.matrix(f"dN{k}", above)
         write.matrix(f"dD{k}", below)
-        write.equation((1, ("D", f"dD{k}")), (-found.feedback, ("N", f"dN{k}")))
+        write.equation((1, ("D", f"dD{k}")), (-result.feedback, ("N", f"dN{k}")))
     return write
 
 
-def _diophantine(found: DiophantineSolution) -> RecordWriter:
-    write = RecordWriter("Diophantine equation", "a x + b y = c, a dx + b dy = 0", found.a.gen)
+def _diophantine(result: DiophantineSolution) -> RecordWriter:
+    write = RecordWriter("Diophantine equation", "a x + b y = c, a dx + b dy = 0", result.a.gen)
     for name in ("a", "b", "c", "x", "y", "dx", "dy"):
-        write.matrix(name, getattr(found, name))
+        write.matrix(name, getattr(result, name))
     write.equation((1, ("a", "x")), (1, ("b", "y")), (-1, ("c",)))
     write.equation((1, ("a", "dx")), (1, ("b", "dy")))
     return write
 
 
-def _bezout(found: BezoutIdentity) -> RecordWriter:
-    write = RecordWriter("Bezout identity", "x a + y b = g, a = g a', b = g b'", found.a.gen)
+def _bezout(result: BezoutIdentity) -> RecordWriter:
+    write = RecordWriter("Bezout identity", "x a + y b = g, a = g a', b = g b'", result.a.gen)
     for name in ("a", "b", "x", "y"):
-        write.matrix(name, getattr(found, name))
-    write.matrix("g", found.gcd)
-    write.matrix("a_g", found.quotients[0])
-    write.matrix("b_g", found.quotients[1])
+        write.matrix(name, getattr(result, name))
+    write.matrix("g", result.gcd)
+    write.matrix("a_g", result.quotients[0])
+    write.matrix("b_g", result.quotients[1])
     write.equation((1, ("x", "a")), (1, ("y", "b")), (-1, ("g",)))
     write.equation((1, ("a",)), (-1, ("g", "a_g")))
     write.equation((1, ("b",)), (-1, ("g", "b_g")))
     return write
 
 
-def _matrix_placement(found: MatrixPlacement) -> RecordWriter:
-    write = RecordWriter("matrix placement", "D_l D_c - f N_l N_c = diag(p)", found.targets[0].gen)
+def _matrix_placement(result: MatrixPlacement) -> RecordWriter:
+    write = RecordWriter("matrix placement", "D_l D_c - f N_l N_c = diag(p)", result.targets[0].gen)
     for name in ("D_l", "N_l", "D_c", "N_c"):
-        write.matrix(name, getattr(found, name))
-    write.matrix("p", ImmutableMatrix(sympy.diag(*(p.as_expr() for p in found.targets))))
-    write.equation((1, ("D_l", "D_c")), (-found.feedback, ("N_l", "N_c")), (-1, ("p",)))
+        write.matrix(name, getattr(result, name))
+    write.matrix("p", ImmutableMatrix(sympy.diag(*(p.as_expr() for p in result.targets))))
+    write.equation((1, ("D_l", "D_c")), (-result.feedback, ("N_l", "N_c")), (-1, ("p",)))
     return write
 
 
-def _doubly_coprime(found: DoublyCoprimeFractions) -> RecordWriter:
+def _doubly_coprime(result: DoublyCoprimeFractions) -> RecordWriter:
     write = RecordWriter(
         "doubly coprime fractions",
         "[[V_l, -U_l], [-N_l, M_l]] [[M_r, U_r], [N_r, V_r]] = I",
-        found.M_r.variable,
+        result.M_r.variable,
     )
     names = ("M_r", "N_r", "U_r", "V_r", "M_l", "N_l", "U_l", "V_l")
     for name in names:
-        write.matrix(name, getattr(found, name))
-    write.matrix("I_m", ImmutableMatrix.eye(found.M_r.shape[0]))
-    write.matrix("I_p", ImmutableMatrix.eye(found.M_l.shape[0]))
+        write.matrix(name, getattr(result, name))
+    write.matrix("I_m", ImmutableMatrix.eye(result.M_r.shape[0]))
+    write.matrix("I_p", ImmutableMatrix.eye(result.M_l.shape[0]))
     write.equation((1, ("V_l", "M_r")), (-1, ("U_l", "N_r")), (-1, ("I_m",)))
     write.equation((1, ("V_l", "U_r")), (-1, ("U_l", "V_r")))
     write.equation((1, ("M_l", "N_r")), (-1, ("N_l", "M_r")))
@@ -216,36 +217,36 @@ def _doubly_coprime(found: DoublyCoprimeFractions) -> RecordWriter:
     return write
 
 
-def _equivalence(found: Equivalence) -> RecordWriter:
-    write = RecordWriter("equivalence", "U P V = F, U U^-1 = I, V V^-1 = I", found.matrix.variable)
+def _equivalence(result: Equivalence) -> RecordWriter:
+    write = RecordWriter("equivalence", "U P V = F, U U^-1 = I, V V^-1 = I", result.matrix.variable)
     for name, content in (
-        ("P", found.matrix), ("F", found.form), ("U", found.U), ("V", found.V),
-        ("U_inverse", found.U_inverse), ("V_inverse", found.V_inverse),
+        ("P", result.matrix), ("F", result.form), ("U", result.U), ("V", result.V),
+        ("U_inverse", result.U_inverse), ("V_inverse", result.V_inverse),
     ):  # fmt: skip
         write.matrix(name, content)
     write.equation((1, ("U", "P", "V")), (-1, ("F",)))
     for side in "UV":
-        size = getattr(found, side).shape[0]
+        size = getattr(result, side).shape[0]
         write.matrix(f"I_{side}", ImmutableMatrix.eye(size))
         write.equation((1, (side, f"{side}_inverse")), (-1, (f"I_{side}",)))
     return write
 
 
-def _matrix_diophantine(found: MatrixDiophantineSolution) -> RecordWriter:
-    left = found.side == "right"
+def _matrix_diophantine(result: MatrixDiophantineSolution) -> RecordWriter:
+    left = result.side == "right"
     statement = "A X + B Y = C" if left else "X A + Y B = C"
-    write = RecordWriter("matrix Diophantine equation", statement, found.A.variable)
+    write = RecordWriter("matrix Diophantine equation", statement, result.A.variable)
     for name in ("A", "B", "C", "X", "Y"):
-        write.matrix(name, getattr(found, name))
+        write.matrix(name, getattr(result, name))
     pairs = (("A", "X"), ("B", "Y")) if left else (("X", "A"), ("Y", "B"))
     write.equation(*((1, pair) for pair in pairs), (-1, ("C",)))
     return write
 
 
-def _brunovsky(found: BrunovskyForm) -> RecordWriter:
+def _brunovsky(result: BrunovskyForm) -> RecordWriter:
     write = RecordWriter("Brunovsky form", "(A + B F) T = T A_c, B W = T B_c, T and W regular")
     for name in ("A", "B", "F", "T", "W", "A_c", "B_c"):
-        write.matrix(name, getattr(found, name))
+        write.matrix(name, getattr(result, name))
     write.equation((1, ("A", "T")), (1, ("B", "F", "T")), (-1, ("T", "A_c")))
     write.equation((1, ("B", "W")), (-1, ("T", "B_c")))
     write.regular("T")
@@ -253,24 +254,24 @@ def _brunovsky(found: BrunovskyForm) -> RecordWriter:
     return write
 
 
-def _gain_family(found: StateFeedbackFamily) -> RecordWriter:
-    write = RecordWriter("state feedback", "det(sI - A - B K) = p", found.polynomial.gen)
-    for name, content in (("A", found.form.A), ("B", found.form.B), ("K", found.gain())):
+def _gain_family(result: StateFeedbackFamily) -> RecordWriter:
+    write = RecordWriter("state feedback", "det(sI - A - B K) = p", result.polynomial.gen)
+    for name, content in (("A", result.form.A), ("B", result.form.B), ("K", result.gain())):
         write.matrix(name, content)
-    write.matrix("p", found.polynomial)
+    write.matrix("p", result.polynomial)
     write.spectrum("p", (1, ("A",)), (1, ("B", "K")))
     return write
 
 
-def _observer_form(found: ObserverForm) -> RecordWriter:
+def _observer_form(result: ObserverForm) -> RecordWriter:
     write = RecordWriter(
-        "observer form", "B_c C + A_c T = T (A + B C_c T), both spectra", found.plant.variable
+        "observer form", "B_c C + A_c T = T (A + B C_c T), both spectra", result.plant.variable
     )
-    plant, compensator = found.plant, found.compensator
+    plant, compensator = result.plant, result.compensator
     for name, content in (
         ("A", plant.A), ("B", plant.B), ("C", plant.C), ("D", plant.D), ("A_c", compensator.A),
-        ("B_c", compensator.B), ("C_c", compensator.C), ("T", found.T),
-        ("p_R", found.regulator), ("p_O", found.observer),
+        ("B_c", compensator.B), ("C_c", compensator.C), ("T", result.T),
+        ("p_R", result.regulator), ("p_O", result.observer),
     ):  # fmt: skip
         write.matrix(name, content)
     write.equation(
@@ -279,19 +280,19 @@ def _observer_form(found: ObserverForm) -> RecordWriter:
     )  # fmt: skip
     write.spectrum("p_R", (1, ("A",)), (1, ("B", "C_c", "T")))
     write.spectrum("p_O", (1, ("A_c",)), (1, ("B_c", "D", "C_c")), (-1, ("T", "B", "C_c")))
-    if found.T.rows == found.T.cols:
+    if result.T.rows == result.T.cols:
         write.regular("T")
     return write
 
 
-def _observer_based(found: ObserverBasedCompensator) -> RecordWriter:
+def _observer_based(result: ObserverBasedCompensator) -> RecordWriter:
     write = RecordWriter(
         "observer-based compensator", "det(sI - A - B K) = p_R, det(sI - A + F C) = p_O",
-        found.plant.variable,
+        result.plant.variable,
     )  # fmt: skip
     for name, content in (
-        ("A", found.plant.A), ("B", found.plant.B), ("C", found.plant.C), ("K", found.K),
-        ("F", found.F), ("p_R", found.regulator), ("p_O", found.observer),
+        ("A", result.plant.A), ("B", result.plant.B), ("C", result.plant.C), ("K", result.K),
+        ("F", result.F), ("p_R", result.regulator), ("p_O", result.observer),
     ):  # fmt: skip
         write.matrix(name, content)
     write.spectrum("p_R", (1, ("A",)), (1, ("B", "K")))
@@ -299,18 +300,18 @@ def _observer_based(found: ObserverBasedCompensator) -> RecordWriter:
     return write
 
 
-def _riccati(found: RiccatiSolution) -> RecordWriter:
-    if found.K_in_field is None or found.P_in_field is None:
+def _riccati(result: RiccatiSolution) -> RecordWriter:
+    if result.K_in_field is None or result.P_in_field is None:
         raise InputError(
             "the solution is known by enclosures alone, so that there is no identity to record; "
             "raise budget(field_degree=...)"
         )
-    discrete = found.factor.time == "discrete"
+    discrete = result.factor.time == "discrete"
     write = RecordWriter("Riccati equation", "the equation and its gain")
     for name in ("A", "B", "Q", "R", "N"):
-        write.matrix(name, getattr(found, name))
-    write.matrix("P", found.P_in_field)
-    write.matrix("K", found.K_in_field)
+        write.matrix(name, getattr(result, name))
+    write.matrix("P", result.P_in_field)
+    write.matrix("K", result.K_in_field)
     if discrete:  # (R + B'PB) K = -(B'PA + N'), P = A'PA + Q + (A'PB + N) K
         write.equation(
             (1, ("R", "K")), (1, ("B'", "P", "B", "K")), (1, ("B'", "P", "A")), (1, ("N'",))
@@ -328,26 +329,26 @@ def _riccati(found: RiccatiSolution) -> RecordWriter:
     return write
 
 
-def _transition(found: TransitionMatrix) -> RecordWriter:
-    write = RecordWriter("transition matrix", "(s I - A) Phi = I, or z I", found.variable)
-    s, n = found.variable, found.A.rows
-    discrete = found.responses[0][0].is_discrete
-    write.matrix("A", found.A)
+def _transition(result: TransitionMatrix) -> RecordWriter:
+    write = RecordWriter("transition matrix", "(s I - A) Phi = I, or z I", result.variable)
+    s, n = result.variable, result.A.rows
+    discrete = result.responses[0][0].is_discrete
+    write.matrix("A", result.A)
     write.matrix("s", s * ImmutableMatrix.eye(n))
     write.matrix("right", (s if discrete else 1) * ImmutableMatrix.eye(n))
-    write.matrix("Phi", found.transform)
+    write.matrix("Phi", result.transform)
     write.equation((1, ("s", "Phi")), (-1, ("A", "Phi")), (-1, ("right",)))
     return write
 
 
-def _intervals(found: StabilityIntervals) -> RecordWriter:
+def _intervals(result: StabilityIntervals) -> RecordWriter:
     write = RecordWriter(
-        "stability intervals", "stable at a point of each interval", found.polynomial.gen
+        "stability intervals", "stable at a point of each interval", result.polynomial.gen
     )
-    time = time_of(found.polynomial.gen, "stability")
-    for k, cell in enumerate(found.intervals):
-        value = found.polynomial.as_expr().subs(found.parameter, cell.sample)
-        write.matrix(f"p{k}", Poly(value, found.polynomial.gen))
+    time = time_of(result.polynomial.gen, "stability")
+    for k, cell in enumerate(result.intervals):
+        value = result.polynomial.as_expr().subs(result.parameter, cell.sample)
+        write.matrix(f"p{k}", Poly(value, result.polynomial.gen))
         write.stable(f"p{k}", time)
     return write
 

@@ -19,10 +19,9 @@ def test_the_harness_confirms_a_set_and_refuses_a_falsified_one(loop, data):
     region = certified_set(*loop)
     record = json.loads(json.dumps(region.certificate_record()))
     assert recheck.failures(record) == []
-    names = [name for name in record["matrices"] if name[0] in "ABCPRS"]
+    names = [name for name in record["matrices"] if name[0] in "PRS"]  # beside no zero
     name = data.draw(st.sampled_from(sorted(names)))
     entries = [entry for entry in record["matrices"][name]["entries"] if entry]
     term = data.draw(st.sampled_from(data.draw(st.sampled_from(entries))))
     term[0] = str(Fraction(term[0]) * 2)
-    failures = recheck.failures(record)
-    assert failures or name[0] in "BC"  # beside a zero column, doubled
+    assert recheck.failures(record)
