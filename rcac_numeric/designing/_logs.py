@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -44,8 +45,37 @@ USUAL_DELAY = 30  # steps of dead time of a controller that skips rows
 TRIED = 4  # credible models for which a controller is designed until one passes every gate
 
 
+class PartsOfALog(Result):
+    """What the parts of a log say beside the model of the whole, for one signal or several."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def parts(self) -> tuple[DesignPlant | None, ...]: ...
+
+        @property
+        def gains(self) -> tuple[float, ...]: ...
+
+    @property
+    def uncertainty(self) -> Uncertainty:
+        """The default uncertainty, with the range of gains of the parts."""
+        usual = Uncertainty()
+        gains = [one for one in self.gains if one > 0] or [1.0]
+        low, high = usual.gain
+        return Uncertainty(gain=(min(low, *gains), max(high, *gains)))
+
+    def stable_parts(self, compensator: Compensator) -> int:
+        """The number of parts whose loop with a controller is stable with Ms < 4."""
+        peaks = [
+            sensitivity_peak(frozen_loop(part.servo(), compensator, 0))
+            for part in self.parts
+            if part is not None
+        ]
+        return sum(peak < ROBUST for peak in peaks)
+
+
 @dataclass(frozen=True, eq=False)
-class LoggedPlant(Result):
+class LoggedPlant(PartsOfALog):
     """A plant model from a log, with its evidence.
 
     Attributes
@@ -96,23 +126,6 @@ class LoggedPlant(Result):
         near = distance * len(model.residual) < SLOW
         near &= ~(distance >= CLEAR * model.pole_deviations)  # near where that is unknown
         return bool(near[: model.order - model.integrators].any())
-
-    @property
-    def uncertainty(self) -> Uncertainty:
-        """The default uncertainty, with the range of gains of the parts."""
-        usual = Uncertainty()
-        gains = [one for one in self.gains if one > 0] or [1.0]
-        low, high = usual.gain
-        return Uncertainty(gain=(min(low, *gains), max(high, *gains)))
-
-    def stable_parts(self, compensator: Compensator) -> int:
-        """The number of parts whose loop with a controller is stable with Ms < 4."""
-        peaks = [
-            sensitivity_peak(frozen_loop(part.servo(), compensator, 0))
-            for part in self.parts
-            if part is not None
-        ]
-        return sum(peak < ROBUST for peak in peaks)
 
     @property
     def evidence(self) -> str:

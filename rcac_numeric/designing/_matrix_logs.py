@@ -8,27 +8,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compensator_theory.errors import InputError, UndecidedError
-from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.analysis._peaks import responses_of
 from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
-from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.designing._log_gates import LOW as BELOW
 from rcac_numeric.designing._log_gates import ROBUST as MOST_PEAK
 from rcac_numeric.designing._log_gates import design_plant
-from rcac_numeric.designing._logs import LogSearch, rows_a_step
+from rcac_numeric.designing._logs import LogSearch, PartsOfALog, rows_a_step
 from rcac_numeric.designing._plants import (
     LOW,
     MOST_SIGNALS,
     DesignPlant,
-    Uncertainty,
     balanced,
     checked_plant,
 )
-from rcac_numeric.designing._reference import loop_radius, sensitivity_peak
+from rcac_numeric.designing._reference import loop_radius
 from rcac_numeric.identification._box_jenkins import CIRCLE, confined
 from rcac_numeric.identification._joint_evidence import (
     channel_delays,
@@ -61,7 +58,7 @@ ROBUST = 4.0  # Ms of the reference loop with the model of a part
 
 
 @dataclass(frozen=True, eq=False)
-class LoggedMatrix(Result):
+class LoggedMatrix(PartsOfALog):
     """A plant model of several inputs and outputs from logs, with its evidence.
 
     Attributes
@@ -109,19 +106,6 @@ class LoggedMatrix(Result):
     def integrates(self) -> bool:
         """False: a pole that the log cannot distinguish from 1 has a rival with a pole at 1."""
         return False
-
-    @property
-    def uncertainty(self) -> Uncertainty:
-        """The default uncertainty, with the range of gains of the parts."""
-        usual = Uncertainty()
-        gains = [one for one in self.gains if one > 0] or [1.0]
-        low, high = usual.gain
-        return Uncertainty(gain=(min(low, *gains), max(high, *gains)))
-
-    def stable_parts(self, compensator: Compensator) -> int:
-        """The number of parts whose loop with a controller is stable with Ms < 4."""
-        peaks = [sensitivity_peak(frozen_loop(part.servo(), compensator, 0)) for part in self.parts]
-        return sum(peak < ROBUST for peak in peaks)
 
     @property
     def evidence(self) -> str:
