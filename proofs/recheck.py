@@ -12,21 +12,22 @@ or a list of them, in JSON.
   A polynomial is a list of [coefficient, exponents].
 - ``equations``: sums of [coefficient, names] that vanish; a name with ' is transposed.
 - ``spectra``: ``of``, such a sum; ``is``, the name of its polynomial in the first symbol.
-- ``regular``: names of matrices whose determinant is not zero identically.
-- ``stable``: names of polynomials in the first symbol, with ``time``.
-- ``definite``: names of symmetric matrices of numbers that are positive definite.
+- ``regular``, ``definite``: names of matrices with a determinant, of positive definite ones of
+  numbers. ``stable``: names of polynomials in the first symbol, with ``time``.
 """
 
 import json
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 Poly = dict[tuple[int, ...], Fraction]
 Grid = list[list[Poly]]
-Terms = list[tuple[str, list[str]]]
+MOST = 1000  # of an exponent
 
 
 class RefusedError(Exception):
@@ -37,10 +38,12 @@ def polynomial(terms: Any, size: int) -> Poly:
     """Read a polynomial."""
     result: Poly = {}
     for coefficient, exponents in terms:
-        if len(exponents) != size or not all(isinstance(e, int) and e >= 0 for e in exponents):
-            raise RefusedError(f"{exponents} are no exponents of {size} symbols")
-        result[tuple(exponents)] = result.get(tuple(exponents), Fraction(0)) + Fraction(coefficient)
-    return {e: c for e, c in result.items() if c}
+        if len(exponents) != size or not all(type(e) is int and 0 <= e <= MOST for e in exponents):
+            raise RefusedError(f"{exponents} are no exponents of {size} symbols, at most {MOST}")
+        if not re.fullmatch(r"-?[0-9]+(/[0-9]+)?", coefficient):  # 1e999999999 would fill memory
+            raise RefusedError("a coefficient is no fraction of integers")
+        result = plus(result, {tuple(exponents): Fraction(coefficient)})
+    return result
 
 
 def plus(p: Poly, q: Poly, factor: Fraction | int = 1) -> Poly:
@@ -90,9 +93,9 @@ class Record:
 
     def named(self, name: str) -> tuple[int, int, Grid, Poly]:
         """Return a matrix, transposed where its name ends with '."""
-        rows, columns, grid, below = self.matrices[name.rstrip("'")]
+        rows, columns, grid, below = matrix = self.matrices[name.rstrip("'")]
         if not name.endswith("'"):
-            return rows, columns, grid, below
+            return matrix
         return columns, rows, [list(column) for column in zip(*grid, strict=True)] or [[]], below
 
     def product(self, names: list[str]) -> tuple[int, int, Grid, list[Poly]]:
@@ -135,7 +138,7 @@ class Record:
             p = plus(p, times(shifted, tail))
         return p
 
-    def total(self, terms: Terms) -> tuple[Grid, Poly]:
+    def total(self, terms: Any) -> tuple[Grid, Poly]:
         """Return a sum of products over one denominator."""
         parts = [(Fraction(c), *self.product(names)) for c, names in terms]
         shapes = {(rows, columns) for _, rows, columns, _, _ in parts}
@@ -148,16 +151,12 @@ class Record:
         ((rows, columns),) = shapes
         result: Grid = [[{} for _ in range(columns)] for _ in range(rows)]
         for (c, _, _, grid, _), key in zip(parts, keys, strict=True):
-            factor = self.one
-            for below in (common - key).elements():
-                factor = times(factor, dict(below))
+            factor = reduce(times, (dict(below) for below in (common - key).elements()), self.one)
             for i in range(rows):
                 for j in range(columns):
                     if grid[i][j]:
                         result[i][j] = plus(result[i][j], times(grid[i][j], factor), c)
-        below = self.one
-        for factor in common.elements():
-            below = times(below, dict(factor))
+        below = reduce(times, (dict(factor) for factor in common.elements()), self.one)
         return [[self.reduced(p) for p in row] for row in result], below
 
     def characteristic(self, grid: Grid) -> list[Poly]:
@@ -184,9 +183,7 @@ class Record:
         n = len(grid)
         s = {(1, *(0,) * (self.size - 1)): Fraction(1)}
         left: Poly = {}
-        power, below_to = self.one, [self.one]
-        for _ in range(n):
-            below_to.append(times(below_to[-1], below))
+        power, below_to = self.one, [reduce(times, [below] * k, self.one) for k in range(n + 1)]
         coefficients = self.characteristic(grid)
         for k in range(n + 1):  # s^k c_(n-k) d^k
             left = plus(left, times(times(power, coefficients[n - k]), below_to[k]))
@@ -274,20 +271,23 @@ def failures(record: dict[str, Any]) -> list[str]:
         if not any(record.get(claim) for claim in CLAIMS):
             raise RefusedError("it claims nothing")
         return list(Record(record).failures())
-    except (RefusedError, KeyError, TypeError, ValueError, ZeroDivisionError) as error:
-        return [f"refused: {error}"]
+    except (ArithmeticError, AttributeError, LookupError, RefusedError, TypeError, ValueError) as e:
+        return [f"refused: {e}"]
 
 
 def main(paths: list[str]) -> int:
     """Check files, print what fails, and return 1 if anything does."""
     sys.set_int_max_str_digits(0)  # certificates of adapting loops have long numbers
-    checked: Counter[str] = Counter()
-    failed = 0
+    checked, failed = Counter[str](), 0
     for path in paths:
-        with open(path, encoding="utf-8") as file:
-            read = json.load(file)
+        try:
+            with open(path, encoding="utf-8") as file:
+                read = json.load(file)
+        except (OSError, ValueError, RecursionError) as error:
+            read = {"kind": "unreadable file", "matrices": str(error)}
         for record in read if isinstance(read, list) else [read]:
-            checked[record.get("kind", "without a kind")] += 1
+            record = record if isinstance(record, dict) else {}  # noqa: PLW2901
+            checked[str(record.get("kind", "without a kind"))] += 1
             for words in failures(record):
                 failed += 1
                 print(f"{path}: FAILS: {words}")

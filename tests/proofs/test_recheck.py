@@ -127,6 +127,31 @@ def test_a_record_that_claims_nothing_or_is_malformed_is_refused(record):
     assert recheck.failures(record)[0].startswith("refused")
 
 
+ONE = {"rows": 1, "columns": 1, "entries": [[["1", [0]]]], "over": [["1", [0]]]}
+
+
+@pytest.mark.parametrize(
+    "term", [["1e999999999", [0]], ["1", [10**9]], ["1", [True]], [1, [0]], ["1/0", [0]], "x"]
+)
+def test_what_would_fill_memory_or_is_no_number_is_refused(term):
+    matrix = ONE | {"entries": [[term]]}
+    record = {"kind": "x", "symbols": ["s"], "matrices": {"A": matrix}}
+    record["equations"] = [[["1", ["A"]]]]
+    assert recheck.failures(record)[0].startswith("refused")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1, 2]", "[[]]", "null", "[" * 100_000])
+def test_a_file_that_is_no_record_fails_without_a_traceback(text, tmp_path, capsys):
+    file = tmp_path / "records.json"
+    file.write_text(text, encoding="utf-8")
+    limit = sys.get_int_max_str_digits()
+    try:
+        assert recheck.main([str(file), str(tmp_path / "none.json")]) == 1
+    finally:
+        sys.set_int_max_str_digits(limit)
+    assert "FAILS: refused" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("row", "time", "stable"),
     [
