@@ -29,7 +29,7 @@ class Convention(Result):
 
     Ours is u(k) = Phi(k) theta(k), Phi(k) = [u(k-1) ... u(k-n_c)  y(k-1) ... y(k-n_c)] for one
     input and one output, (2.29)-(2.30). A text names what differs, separated by commas, such as
-    "-y, y first".
+    "-y, y first"; "ours" says that nothing does.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Convention(Result):
     own_u: bool = False
 
     def __str__(self) -> str:
-        return ", ".join(word for word in WORDS if _has(self, word))
+        return ", ".join(word for word in WORDS if _has(self, word)) or NO_DIFFERENCE
 
     @property
     def description(self) -> str:
@@ -161,6 +161,7 @@ class Convention(Result):
         return block[::-1] if self.oldest_first else block
 
 
+NO_DIFFERENCE = "ours"
 OURS, OWN_U = Convention(), Convention(own_u=True)
 
 # The words of a text, in the order in which they are written, each with its field and value.
@@ -215,6 +216,8 @@ def convention_of(text: str | Convention | None) -> Convention:
         raise InputError(f"convention = {text!r} must be a text such as '-y, y first'.")
     convention = OURS
     for word in filter(None, (" ".join(part.split()) for part in text.lower().split(","))):
+        if word == NO_DIFFERENCE:
+            continue
         if word not in WORDS:
             raise InputError(
                 f"convention = {shortened(text)!r}: {shortened(word, 40)!r} is not known; "

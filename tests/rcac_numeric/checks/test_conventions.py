@@ -16,7 +16,7 @@ pytestmark = pytest.mark.exact_data  # the digits of the log are part of what is
 N_C = 2
 # The words of --convention, and what the program that is simulated does.
 KINDS = {
-    "": {},
+    "ours": {},
     "-y": {"sign_y": -1},
     "-u": {"sign_u": -1},
     "-u, -y": {"sign_u": -1, "sign_y": -1},
@@ -30,7 +30,7 @@ KINDS = {
     "r - y for y": {"reads": "r - y"},
     "r + y for y": {"reads": "r + y"},
 }
-LIMITED = {"": "applied", "own u": "computed"}
+LIMITED = {"ours": "applied", "own u": "computed"}
 WRITERS = {
     "float64": float,
     "%.6g": lambda v: float(f"{v:.6g}"),
@@ -81,7 +81,7 @@ def test_the_convention_is_named_and_the_option_reads_it(seed, words, writer, dt
     rows = np.clip(np.arange(len(signals["u"])) + shift, 0, len(signals["u"]) - 1)
     signals["theta"] = signals["theta"][rows]
     check = checked(signals, writer)
-    if not words:
+    if words == "ours":
         assert check.is_consistent and check.replay.shift == shift and check.conventions is None
         return
     assert not check.is_consistent and "another convention" in check.report().splitlines()[1]
@@ -120,7 +120,7 @@ def test_limits_of_u_are_recognised(seed, words, writer, dtype):
 def test_u_that_was_logged_before_its_limits_gives_them(seed, writer, dtype, limit):
     signals = program(seed, limit=limit, logs="computed", dtype=dtype)
     (match,) = checked(signals, writer).conventions.matches
-    assert str(match.convention) == ""
+    assert str(match.convention) == "ours"
     assert np.allclose(match.u_limits, (-limit, limit), rtol=1e-4)
     again = checked(signals, writer, u_limits=match.u_limits)
     assert again.is_consistent and np.abs(again.log.u).max() <= 1.001 * limit
