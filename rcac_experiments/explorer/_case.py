@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping
 from importlib import resources
 from typing import Any, NoReturn
@@ -15,9 +14,11 @@ from compensator_theory import TransferFunction
 from compensator_theory.errors import InputError
 from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import Experiment, RunSpecification
+from rcac_experiments.explorer._ellipsoids import ellipsoid_of, stored_ellipsoids
+from rcac_experiments.explorer._encoding import in_base64
 from rcac_experiments.explorer._modules import LARGEST_N_C, LARGEST_STEPS, LARGEST_TARGET
 from rcac_experiments.files._builder import build
-from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.controllers._bounds import CertifiedBounds
 from rcac_numeric.controllers._kinds import iir
 from rcac_numeric.controllers._recursive import UD
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -28,7 +29,7 @@ from rcac_numeric.signals._waveforms import Harmonic, Step, WhiteNoise
 
 LARGEST_PLANT = 12
 DIGITS = 12  # decimals of a pole or a zero
-SCENES = ("tame", "untold", "unstable", "unasked", "servo")
+SCENES = ("tame", "untold", "unstable", "unasked", "servo", "certified")
 
 
 def case_of(
@@ -36,8 +37,9 @@ def case_of(
     file: str,
     run: str | None = None,
     budget: ExperimentBudget | None = None,
+    ellipsoid: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Return the dials of one run of an experiment's tables."""
+    """Return the dials of one run of an experiment's tables; its ellipsoid if that is known."""
     experiment = build(dict(table), file, budget)
     chosen = _chosen(experiment, run)
     settings, plant = chosen.settings, chosen.plant
@@ -66,6 +68,9 @@ def case_of(
         "d_zu": settings.target.relative_degree - (denominator.degree() - numerator.degree()),
         "gain": str(gain),
         "n_c": settings.structure.n_c,
+        "theta_0": settings.theta_0.tolist(),
+        "ellipsoid": ellipsoid_of(plant, settings) if ellipsoid is None else ellipsoid,
+        "kept": settings.bounds is not None,
         "k_w": settings.k_w,
         "R_theta": repr(float(update.R_theta)),
         "lambda": repr(update.lambda_),
@@ -76,16 +81,21 @@ def case_of(
     }
 
 
+def scene_texts() -> dict[str, str]:
+    """Return the experiment files of the built-in scenes, by name."""
+    folder = resources.files("rcac_experiments.explorer").joinpath("scenes")
+    return {name: folder.joinpath(f"{name}.toml").read_text("utf-8") for name in SCENES}
+
+
 def scenes() -> list[dict[str, Any]]:
     """Return the built-in cases of every page, from their experiment files."""
     import tomllib
 
-    folder = resources.files("rcac_experiments.explorer").joinpath("scenes")
-    scenes_of_page = []
-    for name in SCENES:
-        text = folder.joinpath(f"{name}.toml").read_text("utf-8")
-        scenes_of_page.append(case_of(tomllib.loads(text), f"{name}.toml"))
-    return scenes_of_page
+    ellipsoids = stored_ellipsoids()["ellipsoids"]
+    return [
+        case_of(tomllib.loads(text), f"{name}.toml", ellipsoid=ellipsoids[name])
+        for name, text in scene_texts().items()
+    ]
 
 
 def draws(steps: int, seeds: set[int]) -> dict[str, str]:
@@ -100,11 +110,6 @@ def wave(steps: int) -> str:
 
 
 WAVE = 0.3  # rad/sample
-
-
-def in_base64(values: Array) -> str:
-    """Encode numbers as little-endian float64 in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode()
 
 
 def _chosen(experiment: Experiment, name: str | None) -> RunSpecification:
@@ -203,9 +208,12 @@ def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
         _refuse(subject, 'it has structure = "iir" with k_c = 1')
     if n_c > LARGEST_N_C:
         _refuse(f"n_c = {n_c}", f"it takes orders up to {LARGEST_N_C}")
+    if settings.bounds is not None and not isinstance(settings.bounds, CertifiedBounds):
+        _refuse("bounds of single coefficients", "give bounds a center and a factor")
     plain = ControllerSettings(
-        structure=iir(n_c), target=settings.target, update=known, k_w=settings.k_w
-    )
+        structure=iir(n_c), target=settings.target, update=known, k_w=settings.k_w,
+        theta_0=settings.theta_0, bounds=settings.bounds,
+    )  # fmt: skip
     fields = attrs.asdict(settings, recurse=False)
     for name, value in attrs.asdict(plain, recurse=False).items():
         if not _same(value, fields[name]):

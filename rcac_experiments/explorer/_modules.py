@@ -1,4 +1,7 @@
-"""The stand-alone core around a plant as WebAssembly: one module for each order n_c."""
+"""The stand-alone core around a plant as WebAssembly, for each order n_c.
+
+One module adapts freely, another keeps theta in an ellipsoid.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,9 @@ LARGEST_STEPS = 5000
 LARGEST_TARGET = 24  # order of the target model
 
 
-def modules(orders: Iterable[int]) -> dict[str, Any]:
+def modules(orders: Iterable[int], *, in_ellipsoid: bool = False) -> dict[str, Any]:
     """The modules of these orders n_c for a page, deflated as one text, with their lengths."""
-    codes = {n_c: module(n_c) for n_c in sorted(set(orders))}
+    codes = {n_c: module(n_c, in_ellipsoid=in_ellipsoid) for n_c in sorted(set(orders))}
     packed = zlib.compress(b"".join(codes.values()), 9)
     return {
         "orders": list(codes),
@@ -27,11 +30,16 @@ def modules(orders: Iterable[int]) -> dict[str, Any]:
     }
 
 
-def module(n_c: int) -> bytes:
-    """The module of one order; the page writes target model, R_theta, lambda and k_w into it."""
+def module(n_c: int, *, in_ellipsoid: bool = False) -> bytes:
+    """The module of one order.
+
+    The page writes theta_0, the target model, R_theta, lambda and k_w into it, and center, inverse
+    factor and radii of the ellipsoid.
+    """
     lengths, code = _codes()
-    start = sum(lengths[: n_c - 1])
-    return code[start : start + lengths[n_c - 1]]
+    number = n_c - 1 + LARGEST_N_C * in_ellipsoid
+    start = sum(lengths[:number])
+    return code[start : start + lengths[number]]
 
 
 def stored() -> dict[str, Any]:

@@ -29,11 +29,13 @@ def explorer_page(case: Mapping[str, Any] | None = None, orders: Iterable[int] =
     cases = [*([] if case is None else [case]), *scenes()]
     longest = max(LONGEST_SCENE, *(one["steps"] for one in cases))
     orders = {*orders, *(one["n_c"] for one in cases)}
+    ellipsoidal = {one["n_c"] for one in cases if "center" in one["ellipsoid"]}
     data = {
         "cases": cases,
         "draws": draws(longest, {one["seed"] for one in cases}),
         "wave": wave(longest),
         "core": modules(orders),
+        "ellipsoidal": modules(ellipsoidal, in_ellipsoid=True),
     }
     return whole_page(
         "explorer.html",

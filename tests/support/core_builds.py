@@ -139,6 +139,13 @@ class Core:
         return {name: counts for name, counts in result.items() if counts[0]}
 
     @property
+    def radius(self):
+        """The share of the ellipsoid's radius."""
+        of = self.library.rcac_radius
+        of.restype = ctypes.c_double if self.real == np.float64 else ctypes.c_float
+        return of(self.state)
+
+    @property
     def growth(self):
         self.library.worst_growth.restype = ctypes.POINTER(ctypes.c_double)
         return self.library.worst_growth(self.state)[0]

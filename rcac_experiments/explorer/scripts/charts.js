@@ -41,7 +41,7 @@ export const stepAt = (canvas, x, steps) => {
 };
 
 // `series`: { values, count, stride, first, colour, thick }.
-export function lines(canvas, series, { low, high, steps, colour, start, cursor, axis, end }) {
+export function lines(canvas, series, { low, high, steps, colour, start, cursor, axis, end, marks = null }) {
   const { pen, width, height } = drawing(canvas);
   const [x_0, x_1, y_0, y_1] = [LEFT, width - RIGHT, TOP, height - (axis ? 22 : TOP)];
   const X = k => x_0 + (x_1 - x_0) * k / Math.max(1, steps - 1);
@@ -103,6 +103,18 @@ export function lines(canvas, series, { low, high, steps, colour, start, cursor,
     pen.stroke();
   }
   pen.restore();
+  if (marks) {  // short strokes at the steps that are not 0
+    pen.strokeStyle = colour.warning;
+    pen.lineWidth = Math.max(1, (x_1 - x_0) / steps);
+    pen.beginPath();
+    for (let k = 0; k < marks.length; k += 1) {
+      if (!marks[k]) continue;
+      pen.moveTo(X(k), y_1);
+      pen.lineTo(X(k), y_1 - 9);
+    }
+    pen.stroke();
+    pen.lineWidth = 1;
+  }
   if (end < steps) {
     pen.fillStyle = colour.bad;
     pen.textBaseline = "top";

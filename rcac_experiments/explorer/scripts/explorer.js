@@ -1,12 +1,12 @@
 // The page: dials, pictures and the sentence above them.
 import { colours, lines, span, stepAt } from "./charts.js";
-import { appliedOf, exogenousInput, numbersOf, openCores, polesAt, roomOf, run } from "./loop.js";
+import { appliedOf, exogenousInput, numbersOf, openCores, polesAt, roomOf, run, sharesOf } from "./loop.js";
 import { marginsAt, predicted } from "./margins.js";
 import { Plane, allowed } from "./plane.js";
-import { exactPlant, nonminimumPhase, planOf } from "./plan.js";
+import { exactPlant, isServo, nonminimumPhase, planOf, plantInWords } from "./plan.js";
 import { inWords, rounded } from "./rationals.js";
 import { asToml } from "./settings.js";
-import { besides, known, outcomeOf, sentence, shown } from "./words.js";
+import { besides, known, ofTheSet, outcomeOf, sentence, shown } from "./words.js";
 
 const get = id => document.getElementById(id);
 const given = JSON.parse(get("explorer-data").textContent);
@@ -18,6 +18,7 @@ const COLOURS = ["ink", "quiet", "line", "shade", "bad", "good", "warning", "c1"
 const power = v => `1e${v}`;
 const SLOW = 120;  // ms after the last change until tracks are painted
 const SLICE = 6;  // ms of painting between two chances for a hand to be heard
+const HIGHEST_SHARE = 4;  // of the picture of e(k)
 const PLACES = 61;  // of a track, at most
 
 // id, the least, the most, the step, from the slider to the dial and back, what is shown.
@@ -55,7 +56,8 @@ function moved(kind, index, point, by = null) {
 
 function compute() {
   const plan = planOf(dials, room);
-  found = run(cores.get(dials.n_c), plan, exogenousInput(dials, data, plan.l_w));
+  found = run(cores, plan, exogenousInput(dials, data, plan.l_w));
+  found.shares = sharesOf(cores, found);
   found.applied = appliedOf(found);
   outcome = outcomeOf(found);
   trail = [];
@@ -74,8 +76,10 @@ const seen = () => found.lost ? Math.max(2, Math.floor(0.72 * found.done)) : fou
 function draw() {
   const { plan } = found, last = found.lost ? Math.max(0, seen() - 1) : found.z.length - 1;
   const k = Math.min(cursor, last), n_c = dials.n_c;
+  const marks = found.projected?.subarray(0, found.z.length);
   const common = { steps: dials.steps, colour, start: plan.k_w, cursor: k, end: found.lost ? found.done : dials.steps };
-  const count = found.z.length, picture = (id, series, [low, high], axis) => lines(get(id), series, { low, high, axis, ...common });
+  const count = found.z.length, picture = (id, series, [low, high], axis, marks) =>
+    lines(get(id), series, { low, high, axis, marks, ...common });
   picture("z", [{ values: found.z, count, colour: colour.c1, thick: 2 }], span(found.z, seen(), true), true);
   const asked = { values: found.u, count, colour: colour.quiet }, applied = { values: found.applied, count, colour: colour.c5 };
   picture("u", Number.isFinite(plan.bound) ? [asked, applied] : [applied], span(found.applied, seen(), true), false);
@@ -83,6 +87,15 @@ function draw() {
     values: found.theta, count, stride: found.l_theta, first: i, colour: i < n_c ? colour.c5 : colour.c1, thick: 1.4,
   }));
   picture("theta", theta, span(found.theta, seen() * found.l_theta, false), false);
+  get("of-share").hidden = !found.shares;
+  if (found.shares) {
+    const most = found.shares.subarray(0, seen()).reduce((a, b) => Math.max(a, b), 0);
+    picture("share", [
+      { values: new Float64Array(dials.steps).fill(1), count: dials.steps, colour: colour.c4, thick: 1.2 },
+      { values: found.shares, count, colour: colour.c1, thick: 1.6 },
+    ], [0, Math.min(Math.max(1.15, 1.05 * most), HIGHEST_SHARE)], false, marks);
+    get("share-out").textContent = `e(${k}) = ${found.shares[k].toPrecision(3)}${marks?.[k] ? ", projected" : ""}`;
+  }
   const poles = cursor >= last && !found.lost ? outcome.poles : polesAt(found, k);
   const theory = predicted(plan);
   plane.draw({ dials, plan, poles, trail, theory: theory ?? [] }, colour);
@@ -112,6 +125,7 @@ function speak() {
   speaking = setTimeout(() => { get("spoken").textContent = get("sentence").textContent; }, 700);
   get("poles-list").textContent = outcome.wanted.length
     ? `Asked for: ${dials.poles.map(shown).join(", ")}. The loop has: ${outcome.poles.filter(([, y]) => y >= 0).map(shown).join(", ")}.` : "";
+  get("of-set").textContent = ofTheSet(found, found.shares);
   get("toml").value = asToml(dials, room, found.lost);
 }
 
@@ -175,7 +189,7 @@ function paint() {
 function kindWith(others) {
   try {
     const plan = planOf(others, room);
-    return outcomeOf(run(cores.get(others.n_c), plan, exogenousInput(others, data, plan.l_w))).kind;
+    return outcomeOf(run(cores, plan, exogenousInput(others, data, plan.l_w))).kind;
   } catch {
     return "none";
   }
@@ -198,6 +212,8 @@ function show() {
     slider.setAttribute("aria-valuetext", get(`${key}-out`).textContent);
     slider.disabled = isFile && ["noise", "amplitude", "steps"].includes(key);
   }
+  get("kept").checked = plan.isKept;
+  get("kept").disabled = !plan.ellipsoid;
   if (document.activeElement !== get("G")) get("G").value = dials.G;
   get("signal").value = dials.signal;
   for (const button of get("scenes").children) button.setAttribute("aria-pressed", String(button.dataset.name === dials.title));
@@ -208,6 +224,9 @@ function load(scene) {
   dials = structuredClone(scene);
   const [numerator, denominator] = exactPlant(dials);
   [dials.G, dials.delay] = [`(${inWords(numerator)})/(${inWords(denominator)})`, 0];
+  dials.home = { n_c: dials.n_c, isServo: isServo(dials), G: plantInWords(dials) };
+  for (const name of ["center", "inverse", "radii", "factor"])
+    if (dials.ellipsoid[name]) dials.ellipsoid[name] = numbersOf(dials.ellipsoid[name]);
   cursor = Infinity;
   plane.selected = null;
   get("signal").querySelector("[value=file]").hidden = !dials.w;
@@ -249,8 +268,9 @@ function listen() {
     cursor = Infinity;
     change();
   });
+  get("kept").addEventListener("change", event => { dials.kept = event.target.checked; cursor = Infinity; change(); });
   get("cursor").addEventListener("input", event => { cursor = Number(event.target.value); change(false); });
-  for (const id of ["z", "u", "theta"]) {
+  for (const id of ["z", "u", "theta", "share"]) {
     get(id).addEventListener("pointermove", event => {
       if (event.pointerType === "touch") return;
       cursor = stepAt(event.currentTarget, event.clientX, dials.steps);
@@ -301,12 +321,12 @@ function removeRing() {
 
 async function start() {
   try {
-    cores = await openCores(given.core);
+    cores = { free: await openCores(given.core), ellipsoidal: await openCores(given.ellipsoidal) };
   } catch (error) {
     get("sentence").textContent = `This browser does not run WebAssembly here: ${error.message}`;
     return;
   }
-  room = roomOf(cores.values().next().value);
+  room = roomOf(cores.free.values().next().value);
   colour = colours(COLOURS);
   get("scenes").replaceChildren(...given.cases.map(scene => {
     const button = document.createElement("button");

@@ -39,7 +39,9 @@ export function exogenousInput(dials, data, channels) {
 
 const NO_DIGIT_LEFT = 1e15;
 
-export function run(core, plan, w) {
+// `cores`: of the orders n_c, free and in an ellipsoid.
+export function run(cores, plan, w) {
+  const core = (plan.isKept ? cores.ellipsoidal : cores.free).get(plan.dials.n_c);
   const { dials, n } = plan, { n_c, steps } = dials, l_theta = 2 * n_c, buffer = core.memory.buffer;
   const at = (address, count) => new Float64Array(buffer, address, count);
   at(core.plant_rows(), plan.rows.length).set(plan.rows);
@@ -48,6 +50,8 @@ export function run(core, plan, w) {
   at(core.table(1), plan.numerator.length).set(plan.numerator);
   at(core.table(2), plan.denominator.length).set(plan.denominator);
   at(core.table(3), 1)[0] = plan.lambda;
+  at(core.table(4), l_theta).set(plan.theta_0);
+  if (plan.isKept) place(core, plan.ellipsoid);
   core.start_at(plan.k_w);
   core.saturate_at(plan.bound);
   const scale = w.reduce((most, value) => Math.max(most, Math.abs(value)), 1);
@@ -59,7 +63,23 @@ export function run(core, plan, w) {
     y: at(core.recorded(2), rows).slice(),
     theta: at(core.recorded(3), (done + 1) * l_theta).slice(),
     l_theta,
+    // theta of these steps is projected
+    projected: plan.isKept ? new Uint8Array(buffer, core.moved(), rows).slice().fill(0, 0, 1) : null,
   };
+}
+
+function place(core, { center, inverse, radii }) {
+  for (const [which, values] of [center, inverse, radii].entries())
+    new Float64Array(core.memory.buffer, core.ellipsoid(which), values.length).set(values);
+}
+
+// e(k), the share of the radius of the ellipsoid that theta(k) uses; above 1 outside.
+export function sharesOf(cores, { plan, theta, l_theta }) {
+  if (!plan.ellipsoid) return null;
+  const core = cores.ellipsoidal.get(plan.dials.n_c), count = theta.length / l_theta;
+  place(core, plan.ellipsoid);
+  new Float64Array(core.memory.buffer, core.recorded(3), theta.length).set(theta);
+  return new Float64Array(core.memory.buffer, core.radii(count), count).slice();
 }
 
 export const appliedOf = ({ u, plan: { bound } }) => u.map(value => Math.min(Math.max(value, -bound), bound));

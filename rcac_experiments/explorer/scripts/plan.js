@@ -1,5 +1,5 @@
 // From the dials to what the core is given: every coefficient exact, and rounded once.
-import { ONE, exactly, multiply, over, rounded, scaled, shifted, times, withRoots } from "./rationals.js";
+import { ONE, exactly, inWords, multiply, over, rounded, scaled, shifted, times, withRoots } from "./rationals.js";
 import { transferFunction } from "./formulas.js";
 import { rootsOf } from "./roots.js";
 
@@ -47,6 +47,13 @@ export function targetModel(dials) {
   return [shifted(scaled(N, H), Math.max(surplus, 0)), shifted(D, Math.max(-surplus, 0))];
 }
 
+// The ellipsoid of the case, on the plant, the signs and the order that it is for; else null.
+export function ellipsoidOf(dials) {
+  const { ellipsoid, home } = dials;
+  return ellipsoid.center && home.n_c === dials.n_c && home.isServo === isServo(dials) && home.G === plantInWords(dials) ? ellipsoid : null;
+}
+export const plantInWords = dials => exactPlant(dials).map(inWords).join(" / ");
+
 export function planOf(dials, room) {
   const [numerator, denominator] = exactPlant(dials), [N_f, D_f] = targetModel(dials);
   const n = denominator.length - 1, n_f = D_f.length - 1, servo = isServo(dials);
@@ -63,6 +70,7 @@ export function planOf(dials, room) {
     num.toReversed().forEach((c, j) => { rows[row * width + j] = servo ? -c : c; });
     if (servo) [rows[row * width + n + 1], rows[row * width + n + 3]] = [1, -1];
   }
+  const ellipsoid = ellipsoidOf(dials);
   const shortest = Math.max(dials.n_c, n_f);
   const behind = p => Float64Array.from({ length: room.order + 1 }, (_, i) => p[i] ?? 0);
   return {
@@ -72,6 +80,9 @@ export function planOf(dials, room) {
     denominator: behind(D_f.map(rounded)),
     D_0: 1 / Number(dials.R_theta),
     lambda: Number(dials.lambda),
+    theta_0: dials.n_c === dials.home.n_c ? dials.theta_0 : new Array(2 * dials.n_c).fill(0),
+    ellipsoid,
+    isKept: dials.kept && ellipsoid !== null,
     bound: dials.bound === "none" ? Infinity : Number(dials.bound),
     zeros: rootsOf(num),
     poles: rootsOf(den),

@@ -19,6 +19,12 @@ function signals(dials) {
   return [`w = ${Number(dials.noise) ? `{ sum = [${base}, ${noise}] }` : base}`];
 }
 
+function bounds({ ellipsoid: { center, factor } }) {
+  const list = values => `[${Array.from(values, String).join(", ")}]`, n = center.length;
+  const rows = Array.from(center, (_, i) => list(factor.slice(i * n, (i + 1) * n)));
+  return `bounds = { center = ${list(center)}, factor = [${rows.join(", ")}] }`;
+}
+
 export function asToml(dials, room, lost) {
   const [numerator, denominator] = exactPlant(dials), { H, d_zu } = modelling(dials), plan = planOf(dials, room);
   return `id = "explorer"
@@ -44,7 +50,7 @@ n_c = ${dials.n_c}
 k_w = ${plan.k_w}
 R_theta = ${real(dials.R_theta)}
 lambda = ${real(dials.lambda)}
-${dials.bound === "none" ? "" : `
+${plan.theta_0.some(Boolean) ? `theta_0 = [${plan.theta_0.map(String).join(", ")}]\n` : ""}${plan.isKept ? `${bounds(plan)}\n` : ""}${dials.bound === "none" ? "" : `
 [saturation]
 low = ${real(`-${dials.bound}`)}
 high = ${real(dials.bound)}

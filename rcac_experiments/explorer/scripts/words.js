@@ -88,6 +88,23 @@ export function besides(found, poles, margins, predicted) {
   return parts.join(" ");
 }
 
+// How much of the certified set theta uses, and where it is projected.
+export function ofTheSet({ plan, projected, theta, l_theta, done }, shares) {
+  const { dials } = plan, { ellipsoid } = dials, percent = x => `${Number((100 * x).toPrecision(x < 1 ? 2 : 3))} %`;
+  if (!plan.ellipsoid) {
+    if (ellipsoid.center) return "The set is that of the plant, the problem and the order of the scene; none is computed here.";
+    return dials.n_c === dials.home.n_c && polesAt({ plan, theta, l_theta, done }, 0).some(pole => modulus(pole) >= 1 - NEAR_CIRCLE)
+      ? "No set: theta(0) does not stabilise this plant." : "No set is known for this plant.";
+  }
+  const most = shares.reduce((a, b) => Math.max(a, b), 0), left = shares.findIndex(share => share > 1);
+  const claim = ellipsoid.is_proved ? "In this set no motion of theta destabilises the loop. " : "The ellipsoid of the file has no proof on this plant. ";
+  const limit = Number.isFinite(plan.bound) ? " The proof does not hold where u is at its limit." : "";
+  if (!plan.isKept) return `${claim}${left < 0 ? `RCAC stays in it and uses ${percent(most)} of its radius.` : `RCAC leaves it at step ${left}.`}${limit}`;
+  const count = projected.reduce((sum, one) => sum + one, 0);
+  return `${claim}RCAC uses ${percent(most)} of its radius; theta is projected at ${count} step${count === 1 ? "" : "s"}`
+    + `${count ? `, first at step ${projected.indexOf(1)}` : ""}.${limit}`;
+}
+
 export function known(plan) {
   const { H, d_zu } = modelling(plan.dials), { told } = plan.dials;
   const unstable = plan.poles.filter(pole => pole[1] >= 0).map(shown).join(", ");

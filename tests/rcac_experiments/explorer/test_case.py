@@ -1,5 +1,6 @@
 """What of an experiment the page can hold, what is refused by name, and the page as text."""
 
+import base64
 import json
 import re
 import tomllib
@@ -7,6 +8,7 @@ from fractions import Fraction
 from functools import partial
 from importlib import resources
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -15,13 +17,19 @@ from rcac_experiments.cli._cases import read_case_table
 from rcac_experiments.cli._main import main
 from rcac_experiments.explorer import _compiling as compiling
 from rcac_experiments.explorer import _modules as modules
-from rcac_experiments.explorer._case import SCENES, case_of, scenes
+from rcac_experiments.explorer._case import SCENES, case_of, scene_texts, scenes
+from rcac_experiments.explorer._ellipsoids import stored_ellipsoids
 from rcac_experiments.explorer._page import SCRIPTS, bundled, explorer_page, in_a_script
 from rcac_experiments.files._builder import build
 from rcac_numeric.export._header import config_header
 from rcac_numeric.export._tables import core_tables
 from tests.support.explorer_cases import OWN, needs_clang, own
 from tests.support.pages import Page
+
+
+def numbers(text):
+    return np.frombuffer(base64.b64decode(text), "<f8")
+
 
 FOLDER = resources.files("rcac_experiments.explorer")
 
@@ -50,7 +58,7 @@ def test_a_scene_is_an_experiment_that_ends_as_it_says(name):
     table = tomllib.loads(FOLDER.joinpath("scenes", f"{name}.toml").read_text("utf-8"))
     run = build(table, name).main_run
     assert run.execute().as_expected
-    assert run.expected == ("diverged" if name == "untold" else "completed")
+    assert run.expected == ("diverged" if name in ("untold", "certified") else "completed")
 
 
 @pytest.mark.parametrize(
@@ -63,7 +71,7 @@ def test_a_scene_is_an_experiment_that_ends_as_it_says(name):
         ({"controller": {"R_u": 1}}, "R_u"),
         ({"controller": {"k_update": 9}}, "k_update"),
         ({"controller": {"freeze": [[50]]}}, "freeze"),
-        ({"controller": {"theta_0": [1, 0, 0, 0]}}, "theta_0"),
+        ({"controller": {"bounds": {"low": -1}}}, "bounds of single coefficients"),
         ({"controller": {"process_noise": 1e-3}}, "process_noise"),
         ({"controller": {"reset": {"every": 20}}}, "reset of the update"),
         ({"controller": {"lambda": None, "subspace_lambda": 0.9}}, "a number as lambda"),
@@ -136,7 +144,7 @@ def test_the_modules_of_the_package_are_those_of_the_sources():
     """Otherwise: `python -m rcac_experiments.explorer._compiling`."""
     stored = modules.stored()
     assert stored["sources"] == compiling.digest()
-    codes = [modules.module(n_c) for n_c in range(1, modules.LARGEST_N_C + 1)]
+    codes = [modules.module(n_c, in_ellipsoid=kept) for n_c, kept in compiling.MODULES]
     assert {code[:4] for code in codes} == {b"\0asm"} and len(set(codes)) == len(codes)
     assert [len(code) for code in codes] == stored["lengths"]
 
@@ -145,8 +153,32 @@ def test_the_modules_of_the_package_are_those_of_the_sources():
 def test_the_same_compiler_gives_the_same_bytes():
     if compiling.compiler_version() != modules.stored()["compiler"]:
         pytest.skip("another clang than that of the modules")
-    for n_c in (1, 2, modules.LARGEST_N_C):
-        assert compiling.compiled(n_c) == modules.module(n_c)
+    for n_c, kept in [(1, False), (2, True), (modules.LARGEST_N_C, False)]:
+        assert compiling.compiled(n_c, in_ellipsoid=kept) == modules.module(n_c, in_ellipsoid=kept)
+
+
+def test_the_ellipsoids_of_the_scenes_are_proved_on_their_plants():
+    """Otherwise: `python -m rcac_experiments.explorer._compiling`."""
+    stored = stored_ellipsoids()
+    assert stored["scenes"] == compiling.scenes_digest() and list(stored["ellipsoids"]) == [*SCENES]
+    proved = set()
+    for name, text in scene_texts().items():
+        table, ellipsoid = tomllib.loads(text), stored["ellipsoids"][name]
+        settings = build(table, name).main_run.settings
+        if "reason" in ellipsoid:
+            plant = build(table, name).main_run.plant  # theta_0 = 0 leaves it as it is
+            assert not settings.theta_0.any() and max(abs(np.linalg.eigvals(plant.A))) > 1
+            continue
+        bounds = {key: numbers(ellipsoid[key]).tolist() for key in ("center", "factor")}
+        n = len(bounds["center"])
+        bounds["factor"] = np.reshape(bounds["factor"], (n, n)).tolist()
+        table["controller"]["bounds"] = bounds
+        again = case_of(table, name)
+        assert again["kept"] and again["ellipsoid"] == ellipsoid and ellipsoid["is_proved"]
+        bounds["factor"] = (4 * np.array(bounds["factor"])).tolist()
+        assert not case_of(table, name)["ellipsoid"]["is_proved"]
+        proved.add(name)
+    assert proved == {"unasked", "servo", "certified"}
 
 
 def test_no_word_of_a_file_ends_the_script():
@@ -176,5 +208,5 @@ def test_only_what_a_page_writes_is_no_constant():
     after = config_header(tables, changing=compiling.CHANGING).splitlines()
     arrays = {line for line in before if line.startswith("static const")} - set(after)
     names = {re.search(r" rcac_(\w+)\[", line)[1] for line in arrays}
-    assert names == {"D_0", "lambda", "numerators", "denominators"}
+    assert names == {"theta_0", "D_0", "lambda", "numerators", "denominators"}
     assert "#define RCAC_K_W rcac_K_W" in after and "static int64_t rcac_K_W;" in after

@@ -1,7 +1,5 @@
 """CertifiedBounds in the stand-alone core: the controller's bits, and inside in float32 too."""
 
-import ctypes
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -31,12 +29,6 @@ def settings_of(seed, n_c, **more):
     )  # fmt: skip
 
 
-def radius(core):
-    of = core.library.rcac_radius
-    of.restype = ctypes.c_double if core.real == np.float64 else ctypes.c_float
-    return of(core.state)
-
-
 @needs_a_compiler
 @pytest.mark.costly
 @pytest.mark.parametrize("n_c", [1, 3, 4, 6, 10])
@@ -51,7 +43,7 @@ def test_theta_and_the_share_of_the_radius_are_those_of_the_controller(n_c, monk
         status, u = core.step(y, z)
         assert u.tobytes() == controller.step(y, z).tobytes()
         assert core.theta.tobytes() == controller.theta.tobytes()
-        assert radius(core) == pytest.approx(controller.radius, rel=1e-12)
+        assert core.radius == pytest.approx(controller.radius, rel=1e-12)
         bounded += bool(status & BOUNDED)
         loop.move(k, u)
     assert bounded == controller.bounded > 20

@@ -22,8 +22,29 @@ EXPORT(recorded) double *recorded(int which) {
     return which == 0 ? z_of : which == 1 ? u_of : which == 2 ? y_of : theta_of;
 }
 EXPORT(table) rcac_real *table(int which) {
-    return which == 0 ? rcac_D_0 : which == 1 ? rcac_numerators : which == 2 ? rcac_denominators : rcac_lambda;
+    return which == 0   ? rcac_D_0
+           : which == 1 ? rcac_numerators
+           : which == 2 ? rcac_denominators
+           : which == 3 ? rcac_lambda
+                        : rcac_theta_0;
 }
+#if RCAC_ELLIPSOID
+static double radius_of[EXPLORER_STEPS + 1];
+static unsigned char is_moved[EXPLORER_STEPS + 1]; /* theta of a step is projected */
+EXPORT(ellipsoid) rcac_real *ellipsoid(int which) {
+    return which == 0 ? rcac_center : which == 1 ? rcac_inverse : rcac_radii;
+}
+EXPORT(moved) unsigned char *moved(void) { return is_moved; }
+/* The share of the radius of each theta in the record, whichever module made it. */
+EXPORT(radii) double *radii(int count) {
+    int k, i;
+    for (k = 0; k < count; ++k) {
+        for (i = 0; i < RCAC_L_THETA; ++i) s.theta[i] = theta_of[k * RCAC_L_THETA + i];
+        radius_of[k] = rcac_radius(&s);
+    }
+    return radius_of;
+}
+#endif
 static double bound; /* of abs(u) as it is applied; infinite where nothing saturates */
 EXPORT(saturate_at) void saturate_at(double largest) { bound = largest; }
 EXPORT(start_at) void start_at(int k_w) { rcac_K_W = rcac_K_UPDATE = k_w; }
@@ -68,6 +89,9 @@ EXPORT(run) int run(int steps, int n, int l_w, double limit) {
         z_of[k] = z_[0];
         if (!is_within(u_, 1, limit) || !is_within(y_, 1, limit) || !is_within(z_, 1, limit)) break;
         status |= rcac_adapt(&s, y_, z_, NULL, applied);
+#if RCAC_ELLIPSOID
+        is_moved[k + 1] = (status & RCAC_BOUNDED) != 0;
+#endif
         if (status & RCAC_DIVERGED || !is_within(s.theta, RCAC_L_THETA, limit)) break;
         products(rows, n, width, input, next);
         for (i = 0; i < n; ++i) input[i] = next[i];
