@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 from compensator_theory.errors import Advice, InputError
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule
 
 # In ball arithmetic a multiplication takes about as long as this many of the compiled step.
 REFERENCE = 5000
+# A predicted step of PCAC, in Python, takes about as long as this many.
+PREDICTED = 1e5
 # Operations of a step in addition to its l_theta^2 multiplications.
 OVERHEAD = 100
 
@@ -25,8 +26,8 @@ class ExperimentBudget(Value):
     memory : float
         In bytes, for the weights and records of one run with all its repetitions.
     operations : float
-        Multiplications of all runs together: steps times repetitions times about l_theta^2. The
-        default takes some minutes.
+        Multiplications of all runs together: steps times repetitions times about l_theta^2; 1e5
+        for each predicted step of PCAC. The default takes some minutes.
 
     Examples
     --------
@@ -42,19 +43,18 @@ class ExperimentBudget(Value):
         self,
         name: str,
         plant: Plant | PlantSchedule,
-        structures: list[Structure],
+        sizes: list[int],
         *,
         steps: int,
         stride: int,
         repetitions: int,
         window: int = 0,
     ) -> None:
-        """Refuse a run that exceeds the memory limit.
+        """Refuse a run of controllers with so many coefficients that exceeds the memory limit.
 
         R_theta, P(0), P and its factor are l_theta x l_theta; of every repetition w, u, y and z
         are kept, and theta at every stride-th step.
         """
-        sizes = [structure.l_theta for structure in structures]
         squares = 4 * sum(size**2 for size in sizes) + window * sum(sizes) * plant.l_z
         stored = 2 * plant.l_w + 2 * plant.l_u + plant.l_y + plant.l_z + sum(sizes) / stride
         needed = 8.0 * (squares + repetitions * steps * stored)
@@ -69,12 +69,13 @@ class ExperimentBudget(Value):
             )
 
     def operations_of(
-        self, structures: list[Structure], *, steps: int, repetitions: int, reference: bool
+        self, sizes: list[int], *, steps: int, repetitions: int, reference: bool, horizon: int = 0
     ) -> float:
         """Return the approximate number of multiplications of a run."""
-        squares = sum(float(structure.l_theta) ** 2 for structure in structures)
+        squares = sum(float(size) ** 2 for size in sizes)
         factor = REFERENCE if reference else 1
-        return float(steps) * repetitions * (squares + OVERHEAD) * factor
+        of_step = (squares + OVERHEAD) * factor + PREDICTED * horizon
+        return float(steps) * repetitions * of_step
 
     def require_operations(self, needed: float) -> None:
         """Refuse an experiment that exceeds the limit of operations."""

@@ -27,10 +27,12 @@ from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import integer
 from rcac_numeric.arrays._values import Result, Value, replaced
 from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.engine._batches import SimulationCase, simulate_many
 from rcac_numeric.engine._compatibility import AnyController, controllers_of
 from rcac_numeric.engine._reference import require_supported, simulate_reference
 from rcac_numeric.engine._runs import Run
+from rcac_numeric.engine._simulation import simulate
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.plants._schedules import PlantSchedule
@@ -47,7 +49,7 @@ class RunSpecification(Value):
 
     Attributes
     ----------
-    settings : ControllerSettings, Decentralized or FixedController
+    settings : ControllerSettings, Decentralized, FixedController or PredictiveCost
     target : TargetModel, optional
         The reference of the comparison; by default the target model that the controller has at
         the last step. A fixed controller has none.
@@ -105,9 +107,11 @@ class RunSpecification(Value):
 
     @property
     def algorithm(self) -> str:
-        """How theta is computed, in a word: the update's name, "reference" or "fixed"."""
+        """How theta is computed: the update's name, "reference", "predictive cost" or "fixed"."""
         if self.reference:
             return "reference"
+        if isinstance(self.settings, StepwiseController):
+            return "predictive cost"
         first = controllers_of(self.settings)[0]
         return first.update.name if isinstance(first, ControllerSettings) else "fixed"
 
@@ -117,6 +121,8 @@ class RunSpecification(Value):
         if self.reference:
             plant, settings = require_supported(self.plant, self.settings, self.saturation)
             runs = [simulate_reference(plant, settings, np.asarray(c.w)) for c in self.cases()]
+        elif isinstance(self.settings, StepwiseController):
+            runs = [simulate(c.plant, c.settings, c.w, **c.options) for c in self.cases()]
         else:
             runs = simulate_many(self.cases())
         return RunResult(self, tuple(LoopAnalysis(run, self.target) for run in runs))
@@ -187,12 +193,13 @@ class RunResult(Value):
 
     @cached_property
     def _reason(self) -> str:
-        adapts = [
+        settings = self.specification.settings
+        adapts = isinstance(settings, StepwiseController) or any(
             isinstance(one, ControllerSettings) and (0, None) not in one.freeze
-            for one in controllers_of(self.specification.settings)
-        ]
+            for one in controllers_of(settings)
+        )
         moves = any(_moves(repetition.run) for repetition in self.repetitions)
-        return "" if moves or not any(adapts) else "no coefficient adapted"
+        return "" if moves or not adapts else "no coefficient adapted"
 
     def values(
         self, measure: str, arguments: Mapping[str, object], until: int | None = None

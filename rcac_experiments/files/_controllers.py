@@ -1,4 +1,4 @@
-"""The controller of an experiment file: one that adapts, several of them, or LQG's."""
+"""The controller of an experiment file: RCAC, several of them, LQG's or PCAC."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from rcac_experiments.format._tables import (
     Raw,
     Table,
     Variant,
+    keys_of,
 )
 from rcac_experiments.format._values import (
     ByStep,
@@ -35,12 +36,15 @@ from rcac_experiments.format._values import (
     Schema,
 )
 from rcac_numeric.analysis._lqg import lqg_controller
+from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._bounds import CertifiedBounds, CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._limits import ControlLimits
 from rcac_numeric.controllers._normalization import Normalization
+from rcac_numeric.controllers._predictive_cost import PredictiveCost
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._weights import SignalWeight
 from rcac_numeric.engine._compatibility import AnyController
@@ -110,16 +114,47 @@ def lqg_alone(
     return FixedController(lqg_controller(plant, noise=noise, form=form).compensator, k_w=k_w)
 
 
-# In place of a structure: the whole table is then of a controller that adapts nothing.
-FIXED: dict[str, Kind[Any]] = {
-    "lqg": Kind(Variant(Table(lqg_alone, supplied=["plant", "target"])), is_whole=True)
+def predictive_cost(
+    plant: Plant | PlantSchedule,
+    order: int,
+    horizon: int,
+    Q: Array = 1.0,  # type: ignore[assignment]
+    P: Array = 1.0,  # type: ignore[assignment]
+    R: Array = 1.0,  # type: ignore[assignment]
+    weighs: Literal["moves", "u"] = "moves",
+    problem: Literal["standard", "servo", "tracking"] = "standard",
+    R_theta: float = 1e-3,
+    lambda_: float = 1.0,
+    theta_0: Array = 0.01,  # type: ignore[assignment]
+    limits: ControlLimits | None = None,
+    limited_by: Literal["saturation", "least squares"] = "saturation",
+    target: object = None,
+) -> PredictiveCost:
+    """[Predictive cost adaptive control](guide/predictive-cost.md), which needs no target model."""
+    return PredictiveCost(
+        order, horizon, Q=Q, P=P, R=R, weighs=weighs, problem=problem, R_theta=R_theta,
+        lambda_=lambda_, theta_0=theta_0, limits=limits, limited_by=limited_by, l_u=plant.l_u,
+        l_y=plant.l_y,
+    )  # fmt: skip
+
+
+PREDICTIVE_COST = Table(
+    predictive_cost,
+    supplied=["plant", "target"],
+    docs={key.parameter: key.doc for key in keys_of(PredictiveCost)},
+)
+# In place of a structure: the whole table is then of another controller than RCAC.
+WHOLE: dict[str, Kind[Any]] = {
+    "lqg": Kind(Variant(Table(lqg_alone, supplied=["plant", "target"])), is_whole=True),
+    "predictive cost": Kind(Variant(PREDICTIVE_COST), is_whole=True),
 }
-STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
+WITHOUT_TARGET = "predictive cost"
+STRUCTURES_AND_WHOLE: Kinds[Any] = Kinds({**STRUCTURES.kinds, **WHOLE}, default=STRUCTURES.default)
 
 
 WEIGHT = Either(Table(SignalWeight), Numbers())
 FORMS: Mapping[str, Form] = {
-    "structure": STRUCTURES_AND_FIXED,
+    "structure": STRUCTURES_AND_WHOLE,
     "update": UPDATES,
     "R_z": WEIGHT,
     "R_u": WEIGHT,
@@ -188,6 +223,7 @@ class ControllerSpecification(Value):
     parts: tuple[PartialCall[AnyController], ...]
     target: PartialCall[TargetModel | DataDriven] | None
     shared_u: bool = False
+    is_decentralized: bool = False
 
     def build(
         self, plant: Plant | PlantSchedule, target: TargetModel | DataDriven | None = None
@@ -197,13 +233,14 @@ class ControllerSpecification(Value):
         A target model takes the plant's parameters at step 0; `target` is
         what its table makes of this plant, where that is known.
         """
-        if self.target is None:
+        if self.is_decentralized:
             settings: list[Any] = [part.of(plant) for part in self.parts]
             return Decentralized(settings, shared_u=self.shared_u), None
-        target = self.target.of(plant) if target is None else target
+        if target is None and self.target is not None:
+            target = self.target.of(plant)
         controller = self.parts[0].of(plant, target=target)
-        is_fixed = isinstance(controller, FixedController)
-        return controller, target if is_fixed else None  # type: ignore[return-value]
+        has_none = isinstance(controller, FixedController | PredictiveCost)
+        return controller, target if has_none else None  # type: ignore[return-value]
 
 
 NO_TARGET = (
@@ -222,12 +259,12 @@ def read_controllers(
     """
     location = place("controller")
     if not several:
-        if not target:
+        if not target and common.get("structure") != WITHOUT_TARGET:
             raise InputError(NO_TARGET)
         errors, of_target = Errors(), None
         read: tuple[Any, ...] = ()
         with errors:
-            of_target = TARGET.table.read(target, place("target"))
+            of_target = None if not target else TARGET.table.read(target, place("target"))
         with errors:
             read = (CONTROLLER.table.read(common, location),)
         errors.raise_any()
@@ -247,4 +284,4 @@ def read_controllers(
             part.arguments["target"] = TARGET.table.read(joined_target, there.at("target").inside())
             parts.append(part)
     errors.raise_any()
-    return ControllerSpecification(tuple(parts), None, shared_u)
+    return ControllerSpecification(tuple(parts), None, shared_u, is_decentralized=True)

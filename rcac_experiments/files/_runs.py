@@ -27,6 +27,7 @@ from rcac_experiments.format._values import ListOf
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.engine._compatibility import AnyController, controllers_of, require_fit
 from rcac_numeric.engine._reference import require_supported
 from rcac_numeric.plants._linear import Plant
@@ -102,11 +103,13 @@ class RunTables(Value):
         of_run = self.run_options.argument
         repetitions = of_run("repetitions") * of_run("seeds")
         arguments = [part.arguments for part in self.controller.parts]
-        structures = [one["structure"].of(plant) for one in arguments if "structure" in one]
+        sizes = [one["structure"].of(plant).l_theta for one in arguments if "structure" in one]
+        predictive = [one for one in arguments if "horizon" in one]
+        sizes += [one["order"] * (plant.l_u + plant.l_y) * plant.l_y for one in predictive]
         budget.require_memory(
             self.name,
             plant,
-            structures,
+            sizes,
             steps=of_run("steps"),
             stride=of_run("stride"),
             repetitions=repetitions,
@@ -115,10 +118,11 @@ class RunTables(Value):
             ),
         )
         return budget.operations_of(
-            structures,
+            sizes,
             steps=of_run("steps"),
             repetitions=repetitions,
             reference=of_run("arithmetic") == "reference",
+            horizon=sum(one["horizon"] for one in predictive),
         )
 
     def build(
@@ -280,6 +284,13 @@ def require_sense(run: RunSpecification) -> None:
         raise InputError('arithmetic = "reference" starts from rest; leave x_0 out.')
     if run.reference:
         require_supported(run.plant, run.settings, run.saturation)
+    if isinstance(run.settings, StepwiseController):
+        if run.saturation is not None:
+            raise InputError(
+                f"a {type(run.settings).__name__} does not receive the applied u. Remove "
+                "[saturation], and give its own limits = { low = -1, high = 1 } in [controller]."
+            )
+        return _require_lengths(run)
     for controller in controllers_of(run.settings):
         if isinstance(controller, FixedController):
             continue
@@ -289,5 +300,9 @@ def require_sense(run: RunSpecification) -> None:
                     f"{name} = {start} must be before the end of the run of {run.steps} steps; "
                     "otherwise no coefficient adapts. Use more steps."
                 )
+    _require_lengths(run)
+
+
+def _require_lengths(run: RunSpecification) -> None:
     for signal in run.signals:
         signal.require_length(run.steps)

@@ -6,6 +6,7 @@ from typing import Any
 
 from rcac_experiments.experiments._true_systems import EXCITATION
 from rcac_experiments.files._builder import FILE
+from rcac_experiments.files._controllers import WITHOUT_TARGET
 from rcac_experiments.files._estimation import ESTIMATION_FILE
 from rcac_experiments.files._exact import EXACT_FILE
 from rcac_experiments.files._runs import TABLES
@@ -54,7 +55,14 @@ def json_schema() -> dict[str, Any]:
             "required": ["run"],
             "not": {"anyOf": [{"required": ["runs"]}, {"required": ["controllers"]}]},
         },
-        "then": {"properties": alone, "required": ["target", "controller"]},
+        "then": {
+            "properties": alone,
+            "required": ["controller"],
+            "anyOf": [
+                {"required": ["target"]},
+                {"properties": {"controller": _named("structure", WITHOUT_TARGET)}},
+            ],
+        },
         "$defs": {
             SIGNAL.what.split()[-1]: SIGNAL.definition(),
             EXCITATION.what.split()[-1]: EXCITATION.definition(),

@@ -22,6 +22,7 @@ from rcac_numeric.analysis._boundaries import (
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.analysis._opened_loop import broken_loop
+from rcac_numeric.analysis._predictive_limits import predictive_cost_limit
 from rcac_numeric.arrays._validation import integer, number, one_of
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.engine._target_learner import acting_input
@@ -250,6 +251,18 @@ def polynomial_distance(r: LoopAnalysis) -> float:
     if c.requested is None:
         raise InputError(f"there is no characteristic polynomial to compare with: {c.obstacle}")
     return float(max(map(abs, (c.reached - c.requested).all_coeffs())))
+
+
+@measure
+def limit_pole_distance(r: LoopAnalysis) -> float:
+    """Largest distance of a final pole of predictive cost control from that of its exact limit."""
+    return predictive_cost_limit(r.run).worst_distance
+
+
+@measure
+def limit_backward_error(r: LoopAnalysis) -> float:
+    """The relative change of the loop polynomial that gives it the poles of the exact limit."""
+    return predictive_cost_limit(r.run).backward_error
 
 
 @measure

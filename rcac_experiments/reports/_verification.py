@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from compensator_theory.errors import CompensatorError
 from rcac_experiments.experiments._estimation_studies import StudyResult
 from rcac_experiments.experiments._experiment import RunResult, Verification
 from rcac_experiments.judging._claim import (
@@ -19,8 +20,11 @@ from rcac_experiments.judging._claim import (
     Verdict,
     outcome_of,
 )
+from rcac_numeric.analysis._predictive_limits import predictive_cost_limit
 from rcac_numeric.checks._diagnosis import loop_health
 from rcac_numeric.checks._health import LoopHealth
+from rcac_numeric.controllers._predictive_cost import PredictiveCost
+from rcac_numeric.engine._runs import Run
 from rcac_numeric.reports._loop import (
     health_lines,
     health_record,
@@ -91,7 +95,24 @@ def _of_runs(verification: Verification) -> tuple[Section, ...]:
         return ()
     main = verification.main
     remark = f" of run {main.specification.name!r}"
-    return _runs(verification), loop_section(main.first, "The controller", remark)
+    loop = loop_section(main.first, "The controller", remark)
+    return _runs(verification), loop, _predictive_limit(main.first.run)
+
+
+def _predictive_limit(run: Run) -> Section:
+    """Return the exact limit of predictive cost control, or the reason why there is none."""
+    if not isinstance(run.settings, PredictiveCost):
+        return Section()
+    try:
+        comparison = predictive_cost_limit(run)
+    except CompensatorError as error:
+        return Section("The exact limit", (Text(f"Not evaluated: {error}", "quiet"),))
+    record = {
+        "limit_pole_distance": comparison.worst_distance,
+        "limit_backward_error": comparison.backward_error,
+    }
+    lines = tuple(Text(line) for line in str(comparison).splitlines())
+    return Section("The exact limit", lines, record)
 
 
 def _changed(verification: Verification) -> tuple[Text, ...]:

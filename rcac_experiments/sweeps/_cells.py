@@ -19,6 +19,7 @@ from rcac_experiments.sweeps._study import Coordinates, Study
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import replaced
 from rcac_numeric.controllers._settings import ControllerSettings, settings_with_numbers
+from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.engine._batches import SimulationCase
 from rcac_numeric.signals._signal import Signal
 from rcac_numeric.targets._model import TargetModel
@@ -54,6 +55,12 @@ class Cell:
     def is_reference(self) -> bool:
         """Whether it is run in ball arithmetic."""
         return self.specification is not None and self.specification.reference
+
+    @property
+    def is_stepwise(self) -> bool:
+        """Whether its steps are Python, so that no batch runs it."""
+        specification = self.specification
+        return specification is not None and isinstance(specification.settings, StepwiseController)
 
     @cached_property
     def words(self) -> tuple[int, ...]:

@@ -39,6 +39,7 @@ from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 from rcac_numeric.engine._batches import SimulationCase, simulate_stream
 from rcac_numeric.engine._reference import require_supported, simulate_reference
 from rcac_numeric.engine._runs import Run
+from rcac_numeric.engine._simulation import simulate
 
 
 class MeasureFailed(Exception):
@@ -167,8 +168,8 @@ def run_chunk(task: ChunkTask, progress: Callable[[], None] = _no_progress) -> C
 def run_in_full(cells: Cells, coordinates: Coordinates, repetition: int) -> LoopAnalysis:
     """One run of a study by itself, with all that belongs to it."""
     cell = cells.cell(coordinates)
-    if cell.is_reference:
-        return LoopAnalysis(_reference(cell, repetition), cell.target)
+    if cell.is_reference or cell.is_stepwise:
+        return LoopAnalysis(_alone(cell, repetition), cell.target)
     case = cell.case(repetition)
     (result,) = simulate_stream([case], lanes=cells.study.lanes)
     if result.value is None:
@@ -226,8 +227,9 @@ def _together(cells: Cells, task: ChunkTask, progress: Callable[[], None]) -> li
             for run, repetition in pairs:
                 try:
                     cell = cells.cell(coordinates) if cell is None else cell
-                    if cell.is_reference:
-                        records.append(_record(run, cell, _reference(cell, repetition), ""))
+                    if cell.is_reference or cell.is_stepwise:
+                        loop_run = _alone(cell, repetition)
+                        records.append(_record(run, cell, loop_run, loop_run.failure))
                         progress()
                         continue
                     case = cell.case(repetition)
@@ -277,7 +279,11 @@ def _record(run: int, cell: Cell, loop_run: Run, words: str) -> RunRecord:
     return RunRecord(run, loop_run.outcome, error, values, signals)
 
 
-def _reference(cell: Cell, repetition: int) -> Run:
+def _alone(cell: Cell, repetition: int) -> Run:
+    """Run what no batch runs."""
+    if cell.is_stepwise:
+        case = cell.case(repetition)
+        return simulate(case.plant, case.settings, case.w, **case.options)
     specification = cell.specification
     assert specification is not None
     plant, settings = require_supported(

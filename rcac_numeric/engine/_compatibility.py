@@ -22,7 +22,7 @@ def controllers_of(controller: AnyController) -> tuple[OneController, ...]:
     if isinstance(controller, StepwiseController):
         raise InputError(
             f"the steps of a {type(controller).__name__} are Python, which only `simulate` runs: "
-            "no batch, no sweep, no reference arithmetic does. Call `simulate` for each case."
+            "no batch and no reference arithmetic does. Call `simulate` for each case."
         )
     if isinstance(controller, Decentralized):
         return tuple(controller.controllers)
