@@ -315,6 +315,19 @@ class Design(Result):
         """
         return _family(self.model, variations(self.model, self.uncertainty))
 
+    @cached_property
+    def possible_set(self) -> CertifiedSet | None:
+        """The certified set of the family, where RCAC in the box lost a test run.
+
+        What `kept="certified"` would keep theta in. None where RCAC lost no run, the family has no
+        set, or the set is in use.
+        """
+        stable, runs = self.verdict.rcac.stable
+        if self.certified is not None or stable == runs:
+            return None
+        region = certified_or_reason(self.plant, self.settings, self.family)
+        return region if isinstance(region, CertifiedSet) else None
+
     @property
     def frozen(self) -> ControllerSettings:
         """The fixed controller as RCAC without updates of theta(0), for `Controller` and exports.

@@ -79,7 +79,7 @@ def _guarantee(design: Design) -> list[Text]:
     """The certified set, what it costs and what it does not cover; or why there is none."""
     region, guarantee = design.certified, design.verdict.guarantee
     if region is None:
-        return []
+        return _suggestion(design)
     if isinstance(region, str):
         words = f"No certified set: {region}. The box in `bounds` limits theta, without a proof."
         return [Text(words, "warning")]
@@ -101,6 +101,18 @@ def _guarantee(design: Design) -> list[Text]:
         )
         lines.append(Text(words, "warning"))
     return [*lines, Text(f"Not covered: {'; '.join(region.uncovered)}.")]
+
+
+def _suggestion(design: Design) -> list[Text]:
+    """The certified set that would have kept RCAC stable, where RCAC lost a test run."""
+    if (region := design.possible_set) is None:
+        return []
+    stable, runs = design.verdict.rcac.stable
+    words = (
+        f"RCAC is unstable in {runs - stable} of {runs} test runs; a certified set exists for all "
+        f'{len(region.members)} plants. Try next: kept="certified" (rcac design --kept certified).'
+    )
+    return [Text(words, "warning")]
 
 
 def _verdict(design: Design) -> Section:

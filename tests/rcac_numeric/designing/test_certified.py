@@ -104,6 +104,22 @@ def test_a_family_that_theta_0_loses_has_no_set_and_keeps_the_box():
     assert "No certified set" in report and "certified set:" not in str(lost.verdict)
 
 
+@pytest.mark.costly
+def test_a_set_is_suggested_where_rcac_in_the_box_lost_a_test_run(boxed, certified):
+    """At a noise that is half of the disturbance, the box does not keep the four lags stable."""
+    lags = "1/((s + 1)*(s/5 + 1)*(s/25 + 1)*(s/125 + 1))"
+    data = {"sample_time": 0.05, "noise": 0.5, "disturbance": 0.5, "seeds": 3}
+    lost = design(lags, **data)
+    stable, runs = lost.verdict.rcac.stable
+    assert stable < runs and lost.possible_set.is_verified
+    words = f"RCAC is unstable in {runs - stable} of {runs} test runs; a certified set exists"
+    assert words in " ".join(lost.report().split())
+    kept = design(lags, kept="certified", **data)
+    assert kept.verdict.rcac.stable == (runs, runs) and kept.possible_set is None
+    assert boxed.possible_set is None and certified.possible_set is None
+    assert "certified" not in boxed.report()
+
+
 def test_a_proof_that_takes_minutes_is_left_to_the_user(boxed):
     taps = fir(MOST_PROVED + 1)
     target = boxed.settings.target
