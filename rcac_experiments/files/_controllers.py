@@ -141,6 +141,7 @@ def predictive_cost(
 PREDICTIVE_COST = Table(
     predictive_cost,
     supplied=["plant", "target"],
+    forms={"R_theta": Numbers()},  # as that of an update, so that the table has one R_theta
     docs={key.parameter: key.doc for key in keys_of(PredictiveCost)},
 )
 # In place of a structure: the whole table is then of another controller than RCAC.

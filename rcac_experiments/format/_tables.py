@@ -517,14 +517,19 @@ class PartialTable(Form):
                     joined = {}
                 continue
             read = {name for variant in kind.variants for name in variant.names}
-            names_of_keys = {key.name for key in self.table.keys}
+            shared = {key.name for key in self.table.keys}.union(
+                name
+                for other, others in self.table.kinds.items()
+                if other != selector
+                for table in others.tables()
+                for name in table.all_keys()
+            )
             joined = {
                 name: value
                 for name, value in joined.items()
                 if not self.is_replaced
                 and (
-                    name in read
-                    or not (kind.is_whole or (kinds.has(name) and name not in names_of_keys))
+                    name in read or not (kind.is_whole or (kinds.has(name) and name not in shared))
                 )
             }
         return merged(joined, override)

@@ -100,6 +100,8 @@ def test_a_target_model_is_the_reference_of_the_comparison_and_not_needed():
     runs = [{"name": "RCAC"}, {"name": "PCAC", "controller": TABLE["controller"]}]
     both = build(table(target=TARGET, controller=rcac, runs=runs), "case")
     assert [run.algorithm for run in both.runs.values()] == ["ud", "predictive cost"]
+    pid = {"name": "PID", "controller": {"structure": "pid"}}
+    assert build(table(target=TARGET, controller=rcac, runs=[pid]), "case").main_run.settings
     with pytest.raises(InputError, match=r"table \[target\]"):
         build(table(controller=rcac), "case")
 
