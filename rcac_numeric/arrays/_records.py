@@ -38,6 +38,10 @@ class Records:
     def __init__(self, *classes: type) -> None:
         self._classes = {one.__name__: one for one in classes}
 
+    def include(self, *classes: type) -> None:
+        """List further classes, of packages that stand above."""
+        self._classes |= {one.__name__: one for one in classes}
+
     def tree(self, value: Any, arrays: dict[str, Array]) -> Any:
         """Return the data as a tree; arrays are added to `arrays`."""
         tree = self._tree(value, arrays)
@@ -110,7 +114,10 @@ class Records:
         if name in _exact():
             return _exact()[name](**parts)
         if name not in self._classes:
-            raise ValueError(f"a {name[:60]!r} is not an allowed class")
+            raise ValueError(
+                f"a {name[:60]!r} is not an allowed class; a run of IndirectSettings is read after "
+                "from rcac_numeric.estimation import IndirectSettings"
+            )
         record = self._classes[name](**_by_argument(self._classes[name], parts))
         require_declared(record)
         return record

@@ -22,6 +22,7 @@ from rcac_numeric.arrays._validation import (
     with_checks,
 )
 from rcac_numeric.controllers._stepwise import Stepper, StepwiseController
+from rcac_numeric.engine._runs import RECORDS
 from rcac_numeric.estimation._forward import ForwardEstimator, ForwardRegulator
 from rcac_numeric.estimation._refinement import ModelRefinement
 from rcac_numeric.estimation._refinement_settings import RCMR
@@ -127,6 +128,9 @@ class IndirectSettings(StepwiseController):
     def started(self) -> Stepper:
         """The controller at step 0."""
         return IndirectController(self)
+
+
+RECORDS.include(IndirectSettings, RCMR, FIRSubsystem, RepeatedParameters)  # of saved runs
 
 
 class IndirectController(Resumable[IndirectSettings]):

@@ -14,6 +14,7 @@ from rcac_numeric import (
     SavedState,
     SimulationCase,
     frozen_twin,
+    load_run,
     simulate,
     simulate_many,
 )
@@ -162,6 +163,17 @@ def test_it_goes_on_bit_for_bit(observed, cut, tmp_path):
         joined = np.concatenate([getattr(first, name), getattr(rest, name)])
         assert np.array_equal(joined, getattr(whole, name))
     assert rest.state == whole.state
+
+
+@both
+def test_a_saved_run_is_loaded_and_goes_on(observed, tmp_path):
+    run = simulate(aircraft(observed), settings_of(observed), np.full(150, STEP))
+    run.save(tmp_path / "run.npz")
+    again = load_run(tmp_path / "run.npz")
+    assert again == run
+    more = np.full(20, STEP)
+    first, second = (simulate(r.plant, r.settings, more, start=r.state) for r in (run, again))
+    assert first == second
 
 
 def test_a_controller_of_ones_own_loop_is_saved_too():
