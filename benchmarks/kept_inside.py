@@ -1,12 +1,15 @@
 """What `CertifiedBounds` cost per step, beside the update that they follow, alone and in lanes.
 
-    python benchmarks/kept_inside.py [--steps 40000] [--rounds 7]
+    python benchmarks/kept_inside.py [--steps 40000] [--rounds 7] [--lanes]
 
 One loop of a second-order plant runs without update, with it, and with an ellipsoid: the certified
 set of the loop, and three about zero that theta never reaches, reaches now and then, and leaves at
 every update. Processor time, the medians of differences within a round, over the time of the update
 of the same round: the machine drops out. Then the time of a step of `simulate_many`, one run after
 another and in lanes, 16 runs on one thread.
+
+With --lanes: the time of such a step alone over that in lanes, for l_theta = 20, 30, 40 and 50 and
+ellipsoids that project a growing share of the steps.
 """
 
 import argparse
@@ -90,11 +93,34 @@ def per_step(settings, lanes, steps, rounds):
     return statistics.median(times) / (RUNS * steps)
 
 
+def gain_of_lanes(steps, rounds):
+    """How many times faster lanes are, by l_theta and the share of the steps that are projected."""
+    print(f"{'l_theta':>7} projected  ns alone  in lanes  gain")
+    for l_theta in (20, 30, 40, 50):
+        plain = ControllerSettings(
+            structure=iir(l_theta // 2), target=TargetModel([0, 1.0]), update=UD(0.05)
+        )
+        factor = bounds_of(plain)["now and then"].factor
+        for scale in (1e3, 2.0, 1.5, 1.2, 1.0, 0.7, 0.5, 0.1, 1e-3):
+            bounds = CertifiedBounds(np.zeros(l_theta), scale * factor)
+            settings = attrs.evolve(plain, bounds=bounds)
+            _, share = seconds(settings, np.random.default_rng(0).standard_normal((steps, 1)))
+            alone, lanes = (per_step(settings, lanes, steps, rounds) for lanes in (False, True))
+            print(
+                f"{l_theta:>7} {share:>9.0%} {1e9 * alone:>9.0f} {1e9 * lanes:>9.0f} "
+                f"{alone / lanes:>5.2f}",
+                flush=True,
+            )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--steps", type=int, default=40_000)
     parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--lanes", action="store_true")
     options = parser.parse_args()
+    if options.lanes:
+        return gain_of_lanes(options.steps // RUNS, options.rounds)
     print(f"{'l_theta':>7} {'bounds':<15} projected  updates  per projection  ns alone  in lanes")
     for l_theta in SIZES:
         plain = ControllerSettings(

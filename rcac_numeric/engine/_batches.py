@@ -75,7 +75,9 @@ def simulate_many(
         a lane of the processor's vectors: per case about 5 times faster than one after another
         for l_theta = 8, 3.5 times for 20 and 1.8 times for 40 (benchmarks/closed_loop.py). Fewer
         than eight cost what eight do, so lanes pay from 2, 3 and 5 cases on. Plants, signals,
-        settings and lengths may differ within the eight.
+        settings and lengths may differ within the eight. `CertifiedBounds` project each case by
+        itself: lanes lose where more than about 50, 30, 20 or 10 % of the steps are projected, for
+        l_theta = 20, 30, 40 or 50 (benchmarks/kept_inside.py --lanes).
 
         Sums are then taken in another order than in `simulate`, and neither order is the more
         accurate. Two runs differ by what the loop makes of relative changes of its data at every
