@@ -381,6 +381,8 @@ def first_unstable_controller(r: LoopAnalysis) -> float:
 def theta_drift(r: LoopAnalysis, start: int) -> float:
     """Largest change of a controller coefficient after step `start`, relative to the largest."""
     late = r.run.theta[-(-start // r.run.stride) :]
+    if not len(late):
+        raise InputError(f"the run of {r.run.steps} steps has no theta from step {start} on.")
     return float(np.abs(late - r.run.theta_final).max() / np.abs(r.run.theta_final).max())
 
 

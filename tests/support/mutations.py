@@ -11,6 +11,7 @@ from rcac_experiments.judging._claim import OURS
 from rcac_numeric.arrays._values import replaced as replace
 
 Table = dict[str, Any]
+OTHER_SOURCE = {"corrected": "printed", "printed": "corrected"}
 NUMBER = re.compile(r"(?<![\w.*])\d+\.\d+")
 
 
@@ -19,9 +20,12 @@ def mutations(table: Table) -> Iterator[tuple[str, Table]]:
     for name, change in (
         ("a coefficient", _coefficient),
         ("the sign of the plant", _sign),
+        ("the other source of a plant of the library", _source),
+        ("a transition 20 s later", _transition),
         ("no adaptation", _no_adaptation),
         ("no input", _no_input),
         ("another truth", _truth),
+        ("a truth that does not change", _constant_truth),
         ("another target", _target),
     ):
         changed = copy.deepcopy(table)
@@ -73,6 +77,23 @@ def _coefficient(part: Table) -> bool:
     return True
 
 
+def _source(part: Table) -> bool:
+    """A plant as printed in place of the corrected one, and the reverse."""
+    plant = part.get("plant") or {}
+    if plant.get("source") not in OTHER_SOURCE:
+        return False
+    plant["source"] = OTHER_SOURCE[plant["source"]]
+    return True
+
+
+def _transition(part: Table) -> bool:
+    plant = part.get("plant") or {}
+    if plant.get("problem") != "aircraft transition":
+        return False
+    plant["start"] = plant.get("start", 250.0) + 20.0
+    return True
+
+
 def _sign(part: Table) -> bool:
     plant = part.get("plant") or {}
     if "G" in plant:
@@ -107,6 +128,17 @@ def _truth(part: Table) -> bool:
         return False
     last = estimation["truth"][-1][1]
     estimation["truth"] = [*estimation["truth"], [estimation["steps"] * 9 // 10, 2 * last]]
+    return True
+
+
+def _constant_truth(part: Table) -> bool:
+    """The first value of the parameter, and the first system, to the end."""
+    estimation = part.get("estimation", {})
+    if len({value for _, value in estimation.get("truth", [])}) < 2:
+        return False
+    estimation["truth"] = [[0, estimation["truth"][0][1]]]
+    for name in ("A_then", "D_1_then"):
+        estimation.pop(name, None)
     return True
 
 

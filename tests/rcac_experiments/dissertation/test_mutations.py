@@ -28,6 +28,7 @@ UNTURNED = {
     ("1.1", "The plant (1.3)-(1.4) is minimum phase"): "the same",
     ("1.2", "Both plants are stable"): "the same",
     ("1.3", "T is asymptotically stable"): "the same",
+    ("3.2", "The nominal plant has the zeros"): "a plant of the library, until its transition",
     ("8.4", "With a bias the EKF is not"): "an estimator that is broken is not able to, either",
 }
 

@@ -112,6 +112,8 @@ def test_of_the_coefficients(stride):
     drifting = repetition(np.zeros(4 * stride), [(9, 0), (1, 0), (3, 0), (2, 0)], stride)
     assert MEASURES["theta_drift"](drifting, start=2 * stride) == pytest.approx(1 / 2)
     assert MEASURES["theta_drift"](drifting, start=0) == pytest.approx(7 / 2)
+    with pytest.raises(InputError, match="no theta from step 1000 on"):
+        MEASURES["theta_drift"](drifting, start=1000)
     quiet = repetition(np.zeros(3), [STABLE] * 3)
     assert MEASURES["last_unstable_step"](quiet) == -1
     assert MEASURES["first_unstable_controller"](quiet) == -1
