@@ -169,10 +169,12 @@ class LogSearch:
                 "of them negative."
             )
         self.log, self.sample_time = log, sample_time
-        self.search = search_of(log.u, log.y, round(late / period) or None)
+        has_command = log.r is not None and bool(np.ptp(log.r) > 0)
+        self.search = search_of(
+            log.u, log.y, round(late / period) or None, is_commanded=has_command
+        )
         if self.search.is_direct:  # the controller reads y of the row before
             self.log = log = _paired_earlier(log)
-        has_command = log.r is not None and bool(np.ptp(log.r) > 0)
         self.is_closed = has_command or self.search.is_closed
         if self.search.is_closed:
             self._require_excitation()

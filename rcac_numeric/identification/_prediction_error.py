@@ -197,16 +197,19 @@ def answers(u: ArrayLike, y: ArrayLike) -> bool:
     return information_criterion(beside, PAST_Y, FEEDBACK) < open_loop
 
 
-def leads(u: Array, y: Array) -> bool:
-    """Whether y(k) predicts u(k) because it responds to u(k), in an open loop.
+def leads(u: Array, y: Array) -> bool | None:
+    """Whether y(k) predicts u(k) because it responds to u(k), in an open loop; None if undecided.
 
-    A controller that reads y(k) has a u(k) that past y predicts beside past u, unless it has no
-    state, white dither and a white disturbance; then u(k) depends on y(k) alone. Where its dither
-    or command hardly moves, past u determines past y; then u(k) follows from y(k) and the past
-    exactly but at a few steps.
+    Second moments have no direction in time of one step: u(k) on y(k) fits as well as y(k) on u(k).
+    What has one is past y. A controller that reads y(k) has a u(k) that past y predicts beside past
+    u, and then this is False; or its dither or command hardly moves, past u determines past y, and
+    u(k) follows from y(k) and the past exactly but at a few steps. Where past y predicts nothing of
+    u(k), an open loop is shown only if past u does not either: a controller and noise make no white
+    u. Of a coloured u the past tells as much as past y where the noise, which u repeats, is larger
+    than what moves u.
     """
     steps = len(u)
-    now = _unit(lagged(u[:, None], PAST_U + 1))
+    now = _unit(lagged((u - u.mean())[:, None], PAST_U + 1))
     past = _unit(lagged(y[:, None], PAST_U + 1)[:, : PAST_Y + 1])
     u_now, past_u, y_now, past_y = now[:, :1], now[:, 1:], past[:, :1], past[:, 1:]
     if steps < 5 * PAST_U or not np.std(now[:, 0] - _fitted(past_u, u_now[:, 0])) > STIRRED:
@@ -219,7 +222,18 @@ def leads(u: Array, y: Array) -> bool:
     ]  # fmt: skip
     rest = u_now[:, 0] - _fitted(np.hstack([y_now, past_u, past_y]), u_now[:, 0])
     is_followed = float(np.median(np.abs(rest))) < FOLLOWED * float(np.std(rest))
-    return criteria[0] < criteria[1] and criteria[3] < criteria[2] and not is_followed
+    if not (criteria[0] < criteria[1] and criteria[3] < criteria[2]) or is_followed:
+        return False
+    return True if _is_white(u_now[:, 0], past_u) else None
+
+
+def _is_white(now: Array, past: Array) -> bool:
+    """Whether of all autoregressions, by BIC, that of order 0 is the best."""
+    Q, _ = np.linalg.qr(past)
+    rest = float(now @ now) - np.cumsum((Q.T @ now) ** 2)
+    orders = np.arange(1, len(rest) + 1)
+    gains = len(now) * np.log(np.maximum(rest, 1e-300) / float(now @ now))
+    return bool((gains + orders * np.log(len(now)) > 0).all())
 
 
 def _fitted(columns: Array, target: Array) -> Array:

@@ -227,10 +227,13 @@ def identify_process(
     return process_model(search, fit, (*gates, sign_gate(search, fit, bandwidth(fit) / 3)), period)
 
 
-def search_of(u: ArrayLike, y: ArrayLike, delay: int | None) -> ProcessSearch:
+def search_of(
+    u: ArrayLike, y: ArrayLike, delay: int | None, *, is_commanded: bool = False
+) -> ProcessSearch:
     """The models of a record; raise an error where there are none.
 
-    Where y(k) responds to u(k), those of y(k) and u(k + 1).
+    Where y(k) responds to u(k), those of y(k) and u(k + 1). `is_commanded`: of a closed loop, by
+    its command.
     """
     record = process_record(u, y)
     if delay is not None and delay > record.steps // 2:
@@ -241,7 +244,7 @@ def search_of(u: ArrayLike, y: ArrayLike, delay: int | None) -> ProcessSearch:
         search = ProcessSearch(record, delay)
     if not search.fits:
         raise InputError("no model could be fitted to the record: record longer, or excite u more.")
-    feedthrough = feedthrough_gate(search, search.fits[0])
+    feedthrough = feedthrough_gate(search, search.fits[0], is_commanded=is_commanded)
     if feedthrough is None or feedthrough.passed:
         return search
     if delay is not None:

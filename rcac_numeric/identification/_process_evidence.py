@@ -13,7 +13,7 @@ from scipy.signal import fftconvolve, lfilter
 from scipy.stats import chi2
 
 from compensator_theory._truth import Truth
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.identification._box_jenkins import (
     ONE,
@@ -262,15 +262,22 @@ def delay_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
     )  # fmt: skip
 
 
-def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
-    """Whether y(k) responds to u(k); not asked in a closed loop, where u(k) responds to y(k).
+def feedthrough_gate(
+    search: ProcessSearch, fit: ProcessFit, *, is_commanded: bool = False
+) -> Gate | None:
+    """Whether y(k) responds to u(k); not tested in a closed loop, where u(k) responds to y(k).
 
-    A u of few values is no response: then y(k) predicts u(k) because it holds it.
+    A u of few values is no response: then y(k) predicts u(k) because it contains it. Raise an error
+    where the record shows neither direction, and no command (`is_commanded`) says that u responds.
     """
-    record = search.record
-    is_answer = search.is_closed and has_many_values(record) and not leads(record.u, record.y)
+    record, is_undecided = search.record, False
+    if search.is_closed and has_many_values(record):
+        direction = leads(record.u, record.y)
+        if direction is False or (direction is None and is_commanded):
+            return None
+        is_undecided = direction is None
     plain = fit if not fit.armax else next((one for one in search.fits if not one.armax), None)
-    if is_answer or plain is None or (fit.armax and not search.is_closed):
+    if plain is None or (fit.armax and not search.is_closed):
         return None
     fit = plain
     earlier = replace(record, u=np.append(record.u[1:], record.u[-1]))
@@ -285,11 +292,23 @@ def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
     e = fit.e if weights is None else fit.e * weights
     least = min(float(squares[1]), float(e @ e))
     difference = record.steps * float(np.log(least / squares[0])) - float(np.log(record.steps))
+    if is_undecided and difference > ODDS:
+        raise undecided_direction("u", "y", difference)
     return Gate(
         "direct feedthrough", difference < ODDS, difference, ODDS,
         f"with u(k) in the model of y(k) the BIC is smaller by {difference:.3g}",
         "Pair y[:-1] with u[1:].",
     )  # fmt: skip
+
+
+def undecided_direction(u: str, y: str, difference: float) -> UndecidedError:
+    """The error for a u and a y of one step that predict each other, in either direction."""
+    return UndecidedError(
+        f"{y}(k) and {u}(k) predict each other: with {u}(k) in the model of {y}(k) the BIC is "
+        f"smaller by {difference:.3g}, and the record does not show whether {u} was computed from "
+        f"{y} or {y} was logged after its {u}. Of a closed loop give design the command, or the "
+        f"dither, as r; else pair y[:-1] with u[1:]."
+    )
 
 
 def require_delay(feedthrough: Gate) -> None:

@@ -37,7 +37,7 @@ from rcac_numeric.identification._joint_search import JointSearch
 from rcac_numeric.identification._joint_stability import LIMIT, OPEN_LIMIT, unstable_root
 from rcac_numeric.identification._prediction_error import answers, leads
 from rcac_numeric.identification._process import scalar_model
-from rcac_numeric.identification._process_evidence import Gate
+from rcac_numeric.identification._process_evidence import Gate, undecided_direction
 from rcac_numeric.identification._process_search import MANY, ODDS
 from rcac_numeric.identification._scalar_record import ScalarModel
 
@@ -263,7 +263,10 @@ def _direct_entries(search: MatrixSearch) -> list[tuple[int, int]]:
         earlier = replace(record, u=record.earlier(record.u))
         for channel in fit.channels:
             j = channel.input
-            if channel.delay or is_controlled(record, j):
+            if channel.delay:
+                continue
+            direction = leads(record.u[j], record.y) if may_respond(record, j) else True
+            if direction is False:
                 continue
             later = [replace(other, delay=other.delay + 1) for other in fit.channels]
             direct = list(later)
@@ -273,18 +276,27 @@ def _direct_entries(search: MatrixSearch) -> list[tuple[int, int]]:
                 joint_fit(earlier, replace(fit.start, channels=tuple(one)))
                 for one in (later, direct)
             ]
-            if fits[0] is not None and fits[1] is not None and fits[0].bic > fits[1].bic + ODDS:
-                entries.append((i, j))
+            if fits[0] is None or fits[1] is None or fits[0].bic < fits[1].bic + ODDS:
+                continue
+            if direction is None:
+                names = search.names
+                raise undecided_direction(names.u(j), names.y(i), fits[0].bic - fits[1].bic)
+            entries.append((i, j))
     return entries
 
 
 def is_controlled(record: JointRecord, j: int) -> bool:
     """Whether an input may respond to y(k)."""
+    return may_respond(record, j) and not leads(record.u[j], record.y)
+
+
+def may_respond(record: JointRecord, j: int) -> bool:
+    """Whether y(k) predicts an input."""
     u = record.u[j]
     has_many = len(np.unique(u.round(9))) > max(MANY, record.steps // 20)
     if not has_many or record.steps < SHORTEST_TEST:
         return False
-    return answers(u, record.y) and not leads(u, record.y)
+    return answers(u, record.y)
 
 
 def identify_process_matrix(

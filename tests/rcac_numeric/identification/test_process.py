@@ -20,6 +20,7 @@ from rcac_numeric.identification._box_jenkins import (
     start_of,
 )
 from rcac_numeric.identification._delay_scan import delay_scan
+from rcac_numeric.identification._prediction_error import leads
 from rcac_numeric.identification._process import search_of
 from rcac_numeric.identification._process_evidence import KNOWN, feedthrough_gate
 from rcac_numeric.identification._process_records import process_record
@@ -254,7 +255,6 @@ def test_jumps_that_look_like_the_answer_to_one_step_fail_the_gate():
 MOVES = {
     "few values": lambda rng: np.repeat(rng.choice([-1.0, 1.0], 200), 3),
     "white": lambda rng: rng.standard_normal(600),
-    "coloured": lambda rng: lfilter([1.0], [1, -0.9], rng.standard_normal(600)),
 }
 
 
@@ -292,6 +292,38 @@ def test_a_controller_that_reads_y_of_the_row_is_no_feedthrough():
             state += y[k] if seed % 3 else 0.0
             x = 0.9 * x + 0.5 * u[k]
         assert not search_of(u, y, None).is_direct
+
+
+@pytest.mark.costly
+def test_a_coloured_input_leaves_the_direction_of_a_step_undecided():
+    """The controller 1/G would make this u of white y. Paired as the error says, it is decided."""
+    rng = np.random.default_rng(4)
+    u = lfilter([1.0], [1, -0.9], rng.standard_normal(600))
+    y = lfilter([0.5, 0.2], [1, -0.8], u) + 0.05 * rng.standard_normal(600)
+    with pytest.raises(UndecidedError, match=r"y\[:-1\] with u\[1:\]"):
+        identify_process(u, y)
+    model = identify_process(u[1:], y[:-1])
+    assert not model.failed and model.delay == 0
+    assert model.numerator[0] == pytest.approx(0.5, abs=0.05)
+    assert not search_of(u, y, None, is_commanded=True).is_direct
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1), noise=st.floats(0.5, 3), hold=st.integers(1, 8),
+    direct=st.floats(0.2, 0.8), integral=st.floats(0.0, 0.05), root=st.floats(0.7, 0.95),
+)  # fmt: skip
+def test_noise_through_a_controller_shows_no_open_loop(seed, noise, hold, direct, integral, root):
+    """u repeats noise larger than the dither: past y tells of it nothing that past u does not."""
+    rng = np.random.default_rng(seed)
+    steps = 400
+    e, dither = noise * rng.standard_normal(steps), rng.choice([-1.0, 1.0], steps).repeat(hold)
+    u, y, x, total = np.zeros(steps), np.zeros(steps), 0.0, 0.0
+    for k in range(steps):
+        y[k] = x + e[k]
+        total += y[k]
+        u[k] = dither[k] - direct * y[k] - integral * total
+        x = root * x + (1 - root) * u[k]
+    assert leads(u, y) is not True
 
 
 @pytest.mark.costly
