@@ -21,8 +21,11 @@ def hinf_norm(
     system: Matrices,
     rtol: float = 1e-10,
     response: Callable[[Array], ComplexArray] | None = None,
+    most: float = np.inf,
 ) -> tuple[float, float]:
     """Return the H-infinity norm of a stable system and its frequency.
+
+    Above `most` a lower bound of it is enough.
 
     The level-set method of Bruinsma and Steinbuch: the frequencies at which a singular value
     equals a level are eigenvalues of a symplectic pencil on the unit circle; the level is raised
@@ -54,7 +57,7 @@ def hinf_norm(
         sides = starts[max(i - 1, 0)], starts[min(i + 1, len(starts) - 1)]
         best, where = _refined(lambda w: highest(np.array([w]))[0], best, where, sides)
     for _ in range(60):
-        if not n or best < SMALLEST:
+        if not n or best < SMALLEST or best > most:
             break
         level = best * (1 + rtol)
         crossings = level_crossings(system, level)

@@ -23,6 +23,7 @@ from compensator_theory.errors import (
 )
 from rcac_numeric.analysis._certified_set import CertifiedSet, certified_set
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of, integer, number, one_of
@@ -664,6 +665,7 @@ def _is_log(plant: Any) -> bool:
     return is_sequence and all(isinstance(one, ControllerLog) for one in plant)
 
 
+@one_blas_thread()
 def _basis_of_log(
     log: ControllerLog | Sequence[ControllerLog], sample_time: float | None, dead_time: float,
     around: _DesignOptions,

@@ -190,10 +190,15 @@ class WeightGrid:
         self.most_u = max(left, LEAST_LEFT * u_range) / (3 * self.units[0])
         self.others, self.instead = others, [_in_units(plant, self.units, one) for one in others]
 
-    def judged(self, parts: StateSpace) -> LoopEvaluation:
-        """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid."""
+    def judged(self, parts: StateSpace, most: float = np.inf) -> LoopEvaluation:
+        """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid.
+
+        Above `most` the peak is a lower bound, and nothing else is computed.
+        """
         try:
-            peak = _peak(self.scaled, parts)
+            peak = _peak(self.scaled, parts, most)
+            if peak > most:
+                return LoopEvaluation(len(self.instead) + 1, peak)
             lost = sum(not loop_radius(other, parts) < 1 for other in self.instead)
             lost += not loop_radius(self.scaled, parts) < SLOWEST
             if not np.isfinite(peak):
@@ -269,9 +274,28 @@ class WeightGrid:
         Among those within a tenth of the least error the one with the least u; with limits of u,
         runs with them decide.
         """
-        plant, units, V = self.plant, self.units, self.noise_variance
         candidates = {(R_2, V_2): parts for R_2, V_2, parts in self.candidates()}
-        evaluations = [(self.judged(parts), *weights) for weights, parts in candidates.items()]
+        evaluations = [
+            (self.judged(parts, MOST), *weights) for weights, parts in candidates.items()
+        ]
+        robust = [one for one in evaluations if not one[0].safe[0]]
+        if robust and self.saturation is None:  # the others are not needed
+            try:
+                return self._first(robust, candidates)
+            except NoSolutionError:
+                pass
+        evaluations = [
+            one if not one[0].peak > MOST else (self.judged(candidates[one[1:]]), *one[1:])
+            for one in evaluations
+        ]
+        return self._first(evaluations, candidates)
+
+    def _first(
+        self, evaluations: list[tuple[LoopEvaluation, float, float]],
+        candidates: Mapping[tuple[float, float], StateSpace],
+    ) -> Reference:  # fmt: skip
+        """The first controller that float64 carries."""
+        plant, units, V = self.plant, self.units, self.noise_variance
         evaluations = [one for one in evaluations if np.isfinite(one[0].peak)]
         obstacle: CompensatorError | None = None
         evaluations.sort(key=lambda one: (one[0].order, *one[1:]))
@@ -527,20 +551,23 @@ def _grid_candidates(
             yield R_2, V_2, controller_matrices(problem, *gains, none)
 
 
-def _peak(plant: Plant, parts: StateSpace) -> float:
-    """Ms, the peak of S = (I - G_c G_yu)^-1 at u and at y; infinite where the loop is unstable."""
+def _peak(plant: Plant, parts: StateSpace, most: float = np.inf) -> float:
+    """Ms, the peak of S = (I - G_c G_yu)^-1 at u and at y; infinite where the loop is unstable.
+
+    Above `most` a lower bound of it.
+    """
     A_c, B_c, C_c, D_c = parts
     if not loop_radius(plant, parts) < 1:
         return np.inf
     A, eye = _closed(plant, parts), np.eye(plant.l_u)
     at_u = np.vstack([plant.B, np.zeros((len(A_c), plant.l_u))])
     of_u = np.hstack([D_c @ plant.C, C_c])
-    peak = hinf_norm((A, at_u, of_u, eye), rtol=1e-4)[0]
-    if plant.l_u == 1:
+    peak = hinf_norm((A, at_u, of_u, eye), rtol=1e-4, most=most)[0]
+    if plant.l_u == 1 or peak > most:
         return peak
     at_y = np.vstack([plant.B @ D_c, B_c])
     of_y = np.hstack([plant.C, np.zeros((plant.l_y, len(A_c)))])
-    return max(peak, hinf_norm((A, at_y, of_y, np.eye(plant.l_y)), rtol=1e-4)[0])
+    return max(peak, hinf_norm((A, at_y, of_y, np.eye(plant.l_y)), rtol=1e-4, most=most)[0])
 
 
 def _closed(plant: Plant, parts: StateSpace) -> Array:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._validation import integer, number
 from rcac_numeric.identification._box_jenkins import DIFFERENCE, ProcessFit, residual_of
 from rcac_numeric.identification._process_evidence import (
@@ -158,6 +159,7 @@ class ProcessModel(ScalarModel, Truth):
         )
 
 
+@one_blas_thread()
 def identify_process(
     u: ArrayLike, y: ArrayLike, *, sample_time: float | None = None, delay: int | None = None
 ) -> ProcessModel:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.identification._joint_evidence import (
@@ -299,6 +300,7 @@ def may_respond(record: JointRecord, j: int) -> bool:
     return answers(u, record.y)
 
 
+@one_blas_thread()
 def identify_process_matrix(
     u: ArrayLike, y: ArrayLike, *, experiments: Sequence[int] | None = None,
     sample_time: float | None = None,

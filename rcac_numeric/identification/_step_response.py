@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory import figures
 from compensator_theory.errors import Advice, InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
@@ -228,6 +229,7 @@ def _words(value: float, interval: Interval) -> str:
     return f"{value:.4g} ({interval[0]:.4g} to {interval[1]:.4g})"
 
 
+@one_blas_thread()
 def identify_step_response(
     u: ArrayLike | LogOfSignals, y: ArrayLike | None = None, *, sample_time: float | None = None
 ) -> StepResponse:
