@@ -9,28 +9,25 @@ from functools import cache
 from threading import Lock
 from typing import Any
 
-_lock, _users = Lock(), [0]
-_limiter: list[Any] = []
+_is_limited = Lock()
 
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Limit BLAS to one thread; the number of threads returns with the last of those inside.
+    """Limit BLAS to one thread.
 
-    The number is one of the process, so that nested and concurrent uses are counted.
+    The number is one of the process: the outermost or first of several uses sets it and, when it
+    ends, sets it back, in the same thread, since OpenBLAS ignores a larger number from another.
     """
     controller = _controller()
-    with _lock:
-        _users[0] += 1
-        if _users[0] == 1 and controller is not None:
-            _limiter.append(controller.limit(limits=1, user_api="blas"))
-    try:
+    if controller is None or not _is_limited.acquire(blocking=False):
         yield
+        return
+    try:
+        with controller.limit(limits=1, user_api="blas"):
+            yield
     finally:
-        with _lock:
-            _users[0] -= 1
-            if not _users[0] and _limiter:
-                _limiter.pop().restore_original_limits()
+        _is_limited.release()
 
 
 @cache
