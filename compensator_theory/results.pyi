@@ -9,6 +9,7 @@ from .forms._equivalence import Equivalence as Equivalence
 from .forms._expansions import PartialFraction as PartialFraction
 from .forms._expansions import PartialFractions as PartialFractions
 from .forms._frobenius import FrobeniusForm as FrobeniusForm
+from .forms._inverse_sampling import ContinuousPlant as ContinuousPlant
 from .forms._jordan import JordanForm as JordanForm
 from .forms._kalman import KalmanDecomposition as KalmanDecomposition
 from .forms._kronecker import KroneckerForm as KroneckerForm

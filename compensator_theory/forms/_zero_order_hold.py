@@ -458,7 +458,7 @@ def _read(
     variables = {system.variable.name, z.name}
     if step is None:
         return system, z, fresh(plant_names | variables, "h", "step")
-    h = _positive(step)
+    h = positive_step(step)
     if isinstance(h, Symbol):
         for names, owner in (
             (variables, "the variable of a plant"),
@@ -606,7 +606,7 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
     return from_coefficients(coefficients, as_symbol(variable))
 
 
-def _positive(step: NumberLike) -> Expr:
+def positive_step(step: NumberLike) -> Expr:
     logarithm = isinstance(step, Expr) and step.is_number and bool(step.has(sympy.log))
     if isinstance(step, Expr) and step.has(sympy.pi) and (step / sympy.pi).is_Rational:
         h: Expr = step

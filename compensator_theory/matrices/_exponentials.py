@@ -228,23 +228,34 @@ def _quadratic_series(
 ) -> Poly:
     """Return exp((s - centre) t) modulo a power of the factor.
 
-    It is C + v S at v = s - centre, where C and S are functions of u = v**2 with C' = t S/2 and
-    S' = (t C - S)/(2 u); their Taylor series at u = -d in powers of the factor u + d end.
+    It is C + v S at v = s - centre, where C and S are functions of u = v**2, expanded in powers of
+    the factor u + d.
     """
     s = factor.gen
     time, u = field.from_sympy(t), -field.from_sympy(square)
     linear = Poly(s - centre, s, domain=field)
-    C, S = ([value] for value in _turn(square, angles, field))
-    # (u_0 + w) 2 S' = t C - S, by the coefficients of w
-    for k in range(1, multiplicity):
-        C.append(time * S[k - 1] / (2 * k))
-        S.append((time * C[k - 1] - S[k - 1] - 2 * (k - 1) * S[k - 1]) / (2 * k * u))
+    cosine, sine = _turn(square, angles, field)
+    C, S = expansion_of_turn(cosine, sine, time, u, multiplicity)
     total, power = Poly(0, s, domain=field), Poly(1, s, domain=field)
-    for c, sine in zip(C, S, strict=True):
-        even, odd = (Poly.from_list([x], s, domain=field) for x in (c, sine))
+    for pair in zip(C, S, strict=True):
+        even, odd = (Poly.from_list([x], s, domain=field) for x in pair)
         total += power * (even + linear * odd)
         power *= factor
     return total
+
+
+def expansion_of_turn(
+    cosine: Any, sine: Any, time: Any, u: Any, count: int
+) -> tuple[list[Any], list[Any]]:
+    """Return the Taylor coefficients of cos(w t) and sin(w t)/w as functions of u = -w**2.
+
+    They obey C' = t S/2 and S' = (t C - S)/(2 u), which is (u + x) 2 S' = t C - S by powers of x.
+    """
+    C, S = [cosine], [sine]
+    for k in range(1, count):
+        C.append(time * S[k - 1] / (2 * k))
+        S.append((time * C[k - 1] - S[k - 1] - 2 * (k - 1) * S[k - 1]) / (2 * k * u))
+    return C, S
 
 
 def _value_at_matrix(poly: Poly, M: DomainMatrix, field: Domain) -> list[list[FracElement]]:

@@ -264,6 +264,9 @@ SAMPLES = {
         exact.sampling.zero_order_hold
     )
     | st.just(exact.sampling.zero_order_hold("b/(s*(s + a))", "h", variable="s")),
+    results.ContinuousPlant: st.sampled_from(
+        ["1/(z - 1/2)", "1/(z - 1)**2", "(z + 3)/(z**2 - z + 1)", "1/(z - x)"]
+    ).map(lambda text: exact.sampling.inverse_zero_order_hold(text, "h", variable="z")),
     results.Zeros: ZEROS,
     results.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
         lambda text: exact.transmission_zeros(text, "s").directions[0]

@@ -159,6 +159,8 @@ GOOD = {
     ),
     "zero_order_hold": ([_R, "h"], {}),
     "matched": ([_R, "h"], {}),
+    "inverse_zero_order_hold": (["1/(z - 1/2)", "h"], {}),
+    "inverse_tustin": (["1/(z - 1/2)", "1/2"], {}),
     "sampling_zero_polynomial": ([3], {}),
     "canonical": ([_G], {}),
     "controllability_matrix": ([_A, _B], {}),
