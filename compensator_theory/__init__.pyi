@@ -10,6 +10,7 @@ from . import results as results
 from . import roots as roots
 from . import sampling as sampling
 from . import strategies as strategies
+from . import teaching as teaching
 from .bezout._common_factors import bezout_identity as bezout_identity
 from .bezout._resultants import resultant as resultant
 from .certificates._records import certificate_record as certificate_record

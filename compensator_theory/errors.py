@@ -177,3 +177,15 @@ class FunctionFailedError(CompensatorError):
 
 class RoundingWarning(UserWarning):
     """Rounding to float64 alone moves the poles of a closed loop dangerously."""
+
+
+class WrongAnswerError(CompensatorError):
+    """An answer to an exercise is wrong; `judgement` has the least counterexample."""
+
+    def __init__(self, *parts: str | Advice, judgement: object = None) -> None:
+        super().__init__(*parts)
+        self.judgement = judgement
+
+    def _render_traceback_(self) -> list[str]:
+        """Return what a notebook shows: the sentence without the frames of the checker."""
+        return [str(self)]

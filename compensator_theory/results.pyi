@@ -104,3 +104,4 @@ from .stability._stable_compensators import StableCompensator as StableCompensat
 from .stability._strong_stabilisability import StrongStabilisability as StrongStabilisability
 from .stability._strong_stabilisability import UnstableRealZero as UnstableRealZero
 from .systems._descriptor_systems import WeierstrassForm as WeierstrassForm
+from .teaching._checks import Judgement as Judgement

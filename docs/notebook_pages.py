@@ -10,13 +10,14 @@ c.InlineBackend.figure_formats = {"retina"}
 
 
 def copy_notebooks(target: Path) -> None:
-    """Put the lectures of the folder notebooks where Sphinx reads them; they run as pages do."""
-    target.mkdir(exist_ok=True)
-    lectures = sorted((ROOT / "notebooks").glob("*.ipynb"))
-    for path in lectures:
-        changed(target / path.name, path.read_text())
-    for path in target.glob("*.ipynb"):
-        if path.name not in {lecture.name for lecture in lectures}:
+    """Put the lectures and the course where Sphinx reads them; they run as pages do."""
+    source = ROOT / "notebooks"
+    lectures = {path.relative_to(source) for path in source.rglob("*.ipynb")}
+    for name in sorted(lectures):
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        changed(target / name, (source / name).read_text())
+    for path in target.rglob("*.ipynb"):
+        if path.relative_to(target) not in lectures:
             path.unlink()
 
 

@@ -332,6 +332,9 @@ SAMPLES = {
         lambda pair: exact.observers.realisation_is_observer_based(*pair, variable="s"),
         loops(1) | loops(2) | loops(1, ("unobservable",)) | st.just(CONTINUUM),
     ),
+    results.Judgement: st.sampled_from(
+        [exact.teaching.judge("6.1", lambda k, end=end: 0 < k < end) for end in (0, 6, 9)]
+    ),
     results.ObserverForm: st.just(first_form(exact.observer_forms("1/(s - 1)", "-6/(s + 4)"))),
     results.ObserverForms: forms(),
     results.PolePlacement: placements() | symbolic_placements(),

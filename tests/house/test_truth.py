@@ -67,6 +67,9 @@ ANSWERS = {
         for c in ("-6/(s + 4)", "-5/(s + 2)")
     ],
     "Certificate": lambda: map(certificate, (0, 1)),
+    "Judgement": lambda: [
+        exact.teaching.judge("6.1", answer) for answer in (lambda k: 0 < k < 6, lambda k: k < 6)
+    ],
     "PropositionCheck": lambda: [
         exact.results.PropositionCheck("M = N iff n = 1", True, right, right)
         for right in (True, False)

@@ -19,7 +19,7 @@ SOURCES = [
         for p in sorted((ROOT / "docs").rglob("*.md"))
         if not MADE & set(p.relative_to(ROOT).parts)
     ),
-    *sorted((ROOT / "notebooks").glob("*.ipynb")),
+    *sorted((ROOT / "notebooks").rglob("*.ipynb")),
 ]
 
 

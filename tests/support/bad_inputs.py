@@ -231,5 +231,8 @@ LAST_ARGUMENTS = {
     ],
 }  # fmt: skip
 """What an argument with a default cannot use, or barely can: no foreign error, and no long work."""
-NOT_DOORS = {"strategies", "budget", "ball_precision"}
-"""A module of strategies, and two settings that have tests of their own."""
+TEACHING = {
+    "check", "judge", "function_exercise", "claim_exercise", "course_exercises", "student_notebook"
+}  # fmt: skip
+NOT_DOORS = {"strategies", "budget", "ball_precision", *TEACHING}
+"""A module of strategies, settings and exercises, which have tests of their own."""
