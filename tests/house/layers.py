@@ -5,7 +5,8 @@
 HOUSE = {
     "compensator_theory": """
         polynomials < matrices, exceptional_sets < bezout, roots < systems
-        < forms, loops, strategies < responses, stability, placement < lqg, observers < certificates, teaching
+        < forms, loops, strategies < responses, stability, placement < lqg, observers
+        < certificates, teaching
     """,
     "rcac_numeric": """
         arrays < plants, signals < plants.gallery, targets < controllers < compiled
