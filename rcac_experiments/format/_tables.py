@@ -521,8 +521,10 @@ class PartialTable(Form):
                 name
                 for other, others in self.table.kinds.items()
                 if other != selector
-                for table in others.tables()
-                for name in table.all_keys()
+                for one in others.kinds.values()
+                if not one.is_whole  # such a kind stands beside no other
+                for variant in one.variants
+                for name in variant.table.all_keys()
             )
             joined = {
                 name: value
