@@ -9,7 +9,7 @@ from .forms._equivalence import Equivalence as Equivalence
 from .forms._expansions import PartialFraction as PartialFraction
 from .forms._expansions import PartialFractions as PartialFractions
 from .forms._frobenius import FrobeniusForm as FrobeniusForm
-from .forms._inverse_sampling import ContinuousPlant as ContinuousPlant
+from .forms._inverse_sampling import InverseSampling as InverseSampling
 from .forms._jordan import JordanForm as JordanForm
 from .forms._kalman import KalmanDecomposition as KalmanDecomposition
 from .forms._kronecker import KroneckerForm as KroneckerForm
@@ -77,6 +77,7 @@ from .roots._stability import StabilityDecision as StabilityDecision
 from .stability._delayed_margins import DelayedStabilityMargins as DelayedStabilityMargins
 from .stability._delays import DelayCrossing as DelayCrossing
 from .stability._delays import StabilityDelays as StabilityDelays
+from .stability._enclosed_margins import EnclosedStabilityMargins as EnclosedStabilityMargins
 from .stability._interval_polynomials import IntervalStability as IntervalStability
 from .stability._laurent import LaurentExpansion as LaurentExpansion
 from .stability._margins import GainCrossover as GainCrossover
@@ -84,6 +85,7 @@ from .stability._margins import PhaseCrossover as PhaseCrossover
 from .stability._margins import StabilityMargins as StabilityMargins
 from .stability._nearest_margins import Margin as Margin
 from .stability._nearest_margins import SymmetricDiskMargin as SymmetricDiskMargin
+from .stability._norms import EnclosedHInfinityNorm as EnclosedHInfinityNorm
 from .stability._norms import HInfinityNorm as HInfinityNorm
 from .stability._pade import PadeApproximant as PadeApproximant
 from .stability._partial_realisations import PartialRealisation as PartialRealisation

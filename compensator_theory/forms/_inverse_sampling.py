@@ -46,7 +46,7 @@ _LONGEST_POWER = 64
 
 
 @dataclass(frozen=True)
-class ContinuousPlant(ExactValue):
+class InverseSampling(ExactValue):
     r"""A continuous plant that has a discrete one as its samples.
 
     Attributes
@@ -158,7 +158,7 @@ def inverse_tustin(
     *,
     continuous_variable: str | Symbol | None = None,
     variable: str | Symbol | None = None,
-) -> ContinuousPlant:
+) -> InverseSampling:
     r"""Replace z by the rational function of s that Tustin's rule inverts.
 
     .. math:: z = \frac{2 + sh}{2 - sh}, \qquad A = \frac 2h (A_d + I)^{-1}(A_d - I), \quad
@@ -210,7 +210,7 @@ def inverse_tustin(
         "continuous plant",
     )
     result = Realisation(A, B, C, D, s)
-    return ContinuousPlant(result, h, (), (), True, (), _divisors(h, A, B, C, D), certificate)
+    return InverseSampling(result, h, (), (), True, (), _divisors(h, A, B, C, D), certificate)
 
 
 @refusing
@@ -220,7 +220,7 @@ def inverse_zero_order_hold(
     *,
     continuous_variable: str | Symbol | None = None,
     variable: str | Symbol | None = None,
-) -> ContinuousPlant:
+) -> InverseSampling:
     r"""Find the continuous plants that have a discrete one as their samples with a held input.
 
     .. math:: \begin{bmatrix} A & B \\ 0 & 0 \end{bmatrix} =
@@ -241,7 +241,7 @@ def inverse_zero_order_hold(
 
     Returns
     -------
-    ContinuousPlant
+    InverseSampling
         In the states of the discrete one: logarithms of its poles are symbols, and so are the
         frequencies of complex ones, with an integer for each, so that one formula is every branch.
 
@@ -297,7 +297,7 @@ def inverse_zero_order_hold(
     result = Realisation(A, B, system.C, system.D, s)
     remaining = {x for part in result.matrices for entry in part for x in entry.free_symbols}
     meaning = spectrum.meaning + [(x, value) for x, value in exponentials.items() if x in remaining]
-    return ContinuousPlant(
+    return InverseSampling(
         result,
         h,
         tuple(meaning),

@@ -16,7 +16,7 @@ from compensator_theory.matrices._flint_polynomials import (
     to_flint_polynomial,
 )
 from compensator_theory.polynomials._ball_precision import ball_precision
-from compensator_theory.polynomials._carrying import refusing
+from compensator_theory.polynomials._carrying import carried_by, refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._reading import (
@@ -140,7 +140,7 @@ def _is_nonnegative(value: Expr) -> bool | None:
     return None
 
 
-@refusing
+@carried_by("none")
 def count_roots(
     poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> RootCount:
@@ -186,6 +186,19 @@ def count_roots(
     >>> print(count_roots("q*(q + 1)**2*(q - 3)"))
     1 stable, 2 on the boundary, 1 unstable
     """
+    from compensator_theory.roots._independent_numbers import polynomial_with_exponentials
+
+    if (found := polynomial_with_exponentials(poly, variable, time)) is not None:
+        written, domain, numbers = found
+        return numbers.count(written, domain)
+    return _count_rational(poly, variable, time)
+
+
+@refusing
+def _count_rational(
+    poly: PolynomialOrSystem, variable: str | Symbol | None, time: Time | None
+) -> RootCount:
+    """Count the roots of a rational polynomial."""
     poly, time = polynomial_in_time(poly, time, variable)
     poly = require_rational(poly)
     degree = int(poly.degree())

@@ -9,7 +9,12 @@ from sympy import Expr, Matrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.matrices._linear_algebra import determinant
-from compensator_theory.polynomials._carrying import carrying, refusing
+from compensator_theory.polynomials._carrying import (
+    carried_by,
+    carrying,
+    polynomial_with_functions,
+    refusing,
+)
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import is_rational
@@ -22,6 +27,7 @@ from compensator_theory.polynomials._reading import (
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time
 from compensator_theory.roots._counts import RootCount, count_roots, require_rational
+from compensator_theory.roots._independent_numbers import polynomial_with_exponentials
 from compensator_theory.roots._regions import locate_roots
 from compensator_theory.roots._schur_cohn import reflection_coefficients
 
@@ -98,7 +104,7 @@ class StabilityDecision(ExactValue):
 
 
 @holds_where_defined
-@refusing
+@carried_by("none")
 def decide_stability(
     poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> StabilityDecision:
@@ -149,6 +155,22 @@ def decide_stability(
     >>> decide_stability("s**2 + a*s + 1", time="continuous").is_stable is None
     True
     """
+    found = polynomial_with_exponentials(poly, variable, time)
+    if found is not None:
+        p, domain, numbers = found
+        count = numbers.count(p, domain)
+        shown = polynomial_with_functions(
+            [c.subs(dict(numbers.meaning)) for c in p.all_coeffs()], p.gen
+        )
+        return StabilityDecision(shown, domain, count.stable == p.degree(), None, None, None, ())
+    return _decided(poly, variable, time)
+
+
+@refusing
+def _decided(
+    poly: PolynomialOrSystem, variable: str | Symbol | None, time: Time | None
+) -> StabilityDecision:
+    """Decide for rational coefficients, or symbols."""
     p, time = polynomial_in_time(poly, time, variable)
     discrete = time == "discrete"
     if not is_rational(p):

@@ -33,13 +33,17 @@ from compensator_theory.roots._counts import RootCount, count_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_number
 from compensator_theory.stability import _margins
 from compensator_theory.stability._delays import StabilityDelays, stability_delays
+from compensator_theory.stability._enclosed_margins import (
+    EnclosedStabilityMargins,
+    margins_with_exponentials,
+)
+from compensator_theory.stability._enclosed_norms import narrow
 from compensator_theory.stability._margins import (
     ZERO,
     Balls,
     GainCrossover,
     PhaseCrossover,
     StabilityMargins,
-    narrow,
     positive_roots,
     real_root_balls,
     squared,
@@ -215,7 +219,7 @@ def stability_margins(
     *,
     feedback: int,
     variable: str | Symbol | None = None,
-) -> StabilityMargins | DelayedStabilityMargins:
+) -> StabilityMargins | DelayedStabilityMargins | EnclosedStabilityMargins:
     r"""Find every gain and phase crossover of a loop exactly, and its margins.
 
     .. math:: |N|^2 = |D|^2, \qquad \mathrm{Im}\, N(\mathrm{j}\omega) D(-\mathrm{j}\omega) = 0, \;
@@ -234,9 +238,10 @@ def stability_margins(
 
     Returns
     -------
-    StabilityMargins or DelayedStabilityMargins
+    StabilityMargins, DelayedStabilityMargins or EnclosedStabilityMargins
         Squares of frequencies and gain factors are exact, angles are certified balls of 30 digits.
-        With a dead time the phase crossovers and gain factors are such balls, too.
+        With a dead time the phase crossovers and gain factors are such balls, too; with
+        exponentials of rational numbers, as sampled plants have them, all of these.
 
     Raises
     ------
@@ -285,6 +290,12 @@ def stability_margins(
     L < 0 at 0.580466: gain factor 2.94508
     >>> print(late.gain_up, late.delay, sep="; ")  # and s, at rad/s
     2.94508 at 0.580466; 9.092 at 0.173205
+    >>> from compensator_theory.sampling import zero_order_hold
+    >>> print(stability_margins(zero_order_hold("1/(s*(s + 1))", "1/2"), feedback=-1))
+    the loop is stable with x = exp(-1/2)
+    |L| = 1 at 0.39125: phase margin 40.76 degrees
+    L < 0 at 0.963168: gain factor 4.36199
+    L < 0 at 3.14159: gain factor 196.799
     """
     parts: list[Any] = [plant, compensator]
     dead_time: Expr = sympy.Integer(0)
@@ -295,6 +306,9 @@ def stability_margins(
         if isinstance(part, DelayedTransferFunction):
             parts[k], dead_time = part.rational, dead_time + part.delay
     if dead_time == 0:
+        sampled = margins_with_exponentials(parts, feedback, variable)
+        if sampled is not None:
+            return sampled
         return _margins.stability_margins(*parts, feedback=feedback, variable=variable)
     return _delayed_margins(parts, dead_time, feedback, variable)
 

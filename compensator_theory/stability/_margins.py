@@ -40,6 +40,7 @@ from compensator_theory.stability._critical_values import (
     real_roots,
     signs_at_real_roots,
 )
+from compensator_theory.stability._enclosed_norms import narrow
 from compensator_theory.stability._nearest_margins import (
     Margin,
     PhaseMargins,
@@ -424,17 +425,6 @@ def frequency_of(square: flint.arb, time: Time) -> flint.arb:
     """Return the frequency whose square, or that of its tangent's half, is given."""
     root = square.sqrt()
     return root if time == "continuous" else 2 * root.atan()
-
-
-GOAL = Rational(1, 10**30)
-
-
-def narrow(*balls: flint.arb) -> tuple[Enclosure, ...] | None:
-    """Return balls of 30 digits as enclosures; None where one of them is larger."""
-    if not all(ball.is_finite() for ball in balls):
-        return None
-    enclosures = tuple(map(enclosure_of_ball, balls))
-    return enclosures if all(x.radius <= GOAL for x in enclosures) else None
 
 
 def vanishes_at(poly: Poly, factor: Poly) -> bool:

@@ -20,7 +20,7 @@ from compensator_theory.roots._certified import root_balls
 from compensator_theory.roots._counts import count_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
 from compensator_theory.stability._critical_values import approximation, is_less
-from compensator_theory.stability._norms import HInfinityNorm, h_infinity_norm
+from compensator_theory.stability._norms import HInfinityNorm, rational_norm
 from compensator_theory.systems._transfer_functions import TransferFunction
 
 BITS = 160
@@ -136,7 +136,7 @@ class SymmetricDiskMargin(ExactValue):
         return None if difference.is_zero else self._of(difference)
 
     def _of(self, numerator: Poly) -> HInfinityNorm:
-        return h_infinity_norm(TransferFunction(numerator, self.denominator + self.numerator))
+        return rational_norm(TransferFunction(numerator, self.denominator + self.numerator))
 
     def __str__(self) -> str:
         low, high = (f"{float(end):.4g}" for end in self.gain)

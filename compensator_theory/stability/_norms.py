@@ -22,15 +22,17 @@ from compensator_theory.matrices._linear_algebra import characteristic_polynomia
 from compensator_theory.matrices._rational_functions import factored
 from compensator_theory.polynomials._ball_precision import at_growing_precision, ball_precision
 from compensator_theory.polynomials._budget import ask, decimal_digits
-from compensator_theory.polynomials._carrying import refusing
+from compensator_theory.polynomials._carrying import carried_by, refusing
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import number_of_real_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
+from compensator_theory.roots._independent_numbers import Meaning
 from compensator_theory.stability._critical_values import (
     CriticalValue,
     number_between,
     real_root,
 )
+from compensator_theory.stability._enclosed_norms import norm_with_exponentials
 from compensator_theory.stability._half_plane_matrices import (
     HalfPlaneMatrix,
     gram_of,
@@ -72,8 +74,35 @@ class HInfinityNorm(ExactValue):
         )
 
 
-@refusing
-def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None) -> HInfinityNorm:
+@dataclass(frozen=True)
+class EnclosedHInfinityNorm(ExactValue):
+    """The largest gain over all frequencies of a plant with exponentials as coefficients.
+
+    Attributes
+    ----------
+    enclosure : Enclosure
+        Certified, with 30 digits: such a norm is in general no algebraic number.
+    exponentials : tuple of (Symbol, Expr)
+        The numbers that occur in the coefficients, such as (x, exp(-1/10)).
+    """
+
+    enclosure: Enclosure
+    exponentials: Meaning
+
+    def __float__(self) -> float:
+        return float(self.enclosure)
+
+    def __str__(self) -> str:
+        return repr(self.enclosure)
+
+    def _repr_latex_(self) -> str:
+        return displayed(rf"\|G\|_\infty = {self.enclosure.latex()}")
+
+
+@carried_by("none")
+def h_infinity_norm(
+    G: TransferMatrixLike, variable: str | Symbol | None = None
+) -> HInfinityNorm | EnclosedHInfinityNorm:
     r"""Compute the H-infinity norm of a stable proper transfer matrix.
 
     .. math:: \|G\|_\infty = \sup_\omega \bar\sigma(G(\mathrm{j}\omega)), \qquad
@@ -90,6 +119,12 @@ def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None)
         axis by z = (1 + s)/(1 - s). Anything :func:`transfer_matrix` reads.
     variable : str or Symbol, optional
         As for :func:`transfer_matrix`.
+
+    Returns
+    -------
+    HInfinityNorm or EnclosedHInfinityNorm
+        The latter, a ball of 30 digits, for a scalar G whose coefficients are exponentials of
+        rational numbers, such as a sampled plant.
 
     Raises
     ------
@@ -112,7 +147,18 @@ def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None)
     >>> found = h_infinity_norm("(s + 1)/(s**2 + s + 2)")
     >>> found.value, found.square_polynomial.as_expr()
     (sqrt(5/7 + 4*sqrt(2)/7), 7*g**2 - 10*g - 1)
+    >>> print(h_infinity_norm("1/(z - exp(-1/10))"))  # 1/(1 - exp(-1/10))
+    10.5083305559109143592 ± 5.0e-19
     """
+    sampled = norm_with_exponentials(G, variable)
+    if sampled is not None:
+        return EnclosedHInfinityNorm(*sampled)
+    return rational_norm(G, variable)
+
+
+@refusing
+def rational_norm(G: TransferMatrixLike, variable: str | Symbol | None = None) -> HInfinityNorm:
+    """Return the norm of a rational transfer matrix."""
     source = half_plane_matrix(G, "the H-infinity norm", variable)
     if not source.is_stable:
         raise NoSolutionError(

@@ -16,7 +16,8 @@ from compensator_theory.polynomials._ball_precision import at_growing_precision
 from compensator_theory.polynomials._poly import exact_quotient
 from compensator_theory.roots._enclosures import Enclosure, ball_of_number
 from compensator_theory.stability._critical_values import real_roots
-from compensator_theory.stability._margins import narrow, squared
+from compensator_theory.stability._enclosed_norms import narrow
+from compensator_theory.stability._margins import squared
 
 MOST_BOXES = 50_000
 MOST_DOUBLINGS = 60

@@ -54,9 +54,9 @@ from compensator_theory.stability._critical_values import (
     resultant_in_parameter,
     roots_of_irreducible,
 )
+from compensator_theory.stability._enclosed_norms import narrow
 from compensator_theory.stability._margins import (
     frequency_of,
-    narrow,
     positive_roots,
     real_root_balls,
     squared,

@@ -264,7 +264,15 @@ SAMPLES = {
         exact.sampling.zero_order_hold
     )
     | st.just(exact.sampling.zero_order_hold("b/(s*(s + a))", "h", variable="s")),
-    results.ContinuousPlant: st.sampled_from(
+    results.EnclosedStabilityMargins: st.sampled_from(["1/(s + 1)", "3/(s*(s + 1))"]).map(
+        lambda text: exact.stability_margins(
+            exact.sampling.zero_order_hold(text, "1/10"), feedback=-1
+        )
+    ),
+    results.EnclosedHInfinityNorm: st.sampled_from(["exp(-1)/(s + 1)", "1/(z - exp(-1))"]).map(
+        exact.h_infinity_norm
+    ),
+    results.InverseSampling: st.sampled_from(
         ["1/(z - 1/2)", "1/(z - 1)**2", "(z + 3)/(z**2 - z + 1)", "1/(z - x)"]
     ).map(lambda text: exact.sampling.inverse_zero_order_hold(text, "h", variable="z")),
     results.Zeros: ZEROS,
