@@ -1,4 +1,4 @@
-"""How many examples the public strategies need to refute twelve false conjectures.
+"""How many examples the public strategies need to refute thirteen false conjectures.
 
 Textbooks warn of each. ``python benchmarks/false_conjectures.py [SEEDS]`` draws with each of 20
 seeds until the conjecture fails, without shrinking, and prints the median, the worst, and how often
@@ -18,6 +18,7 @@ from sympy import ImmutableMatrix, Matrix, Poly, Symbol, eye
 from compensator_theory import decide_stability, place_poles, polynomial_from_roots
 from compensator_theory import strategies as ours
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank
+from compensator_theory.observers import realisation_is_observer_based
 
 LIMIT = 500
 s = Symbol("s")
@@ -78,7 +79,7 @@ CONJECTURES = (
     Conjecture(
         "Observability survives state feedback",
         ours.plants_with_gain(),
-        lambda c: sees_all(c[0] + c[1] * c[3], c[2]),
+        lambda c: sees_all(c[0].A + c[0].B * c[1], c[0].C),
     ),
     Conjecture(
         "A polynomial with positive coefficients is Hurwitz",
@@ -132,7 +133,12 @@ CONJECTURES = (
     Conjecture(
         "The poles of a minimal plant are simple, so that A is diagonalisable",
         ours.minimal_plants(3),
-        lambda c: simple(characteristic_polynomial(Matrix(c[0]), s)),
+        lambda c: simple(c.characteristic_polynomial),
+    ),
+    Conjecture(
+        "A compensator of the order 3 of the plant is observer-based",
+        ours.loops_with_spectrum(3),
+        lambda c: realisation_is_observer_based(*c).answer,
     ),
     Conjecture(
         "The compensator that places the poles is coprime",

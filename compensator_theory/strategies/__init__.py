@@ -26,6 +26,7 @@ try:
         plants_with_common_factor,
         plants_with_gain,
     )
+    from compensator_theory.strategies.loops import loops_with_spectrum
     from compensator_theory.strategies.plants import (
         hurwitz_matrices,
         matrices,
@@ -64,6 +65,7 @@ __all__ = [
     "hurwitz_matrices",
     "hurwitz_spectra",
     "irrational_polynomials",
+    "loops_with_spectrum",
     "matrices",
     "minimal_mimo_plants",
     "minimal_plants",

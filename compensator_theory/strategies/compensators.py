@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from hypothesis import strategies as st
-from sympy import ImmutableMatrix, diag
+from sympy import ImmutableMatrix, Symbol, diag
 
 from compensator_theory.errors import InputError
 from compensator_theory.strategies.plants import disguised, unimodular_matrices
@@ -15,6 +15,7 @@ from compensator_theory.strategies.polynomials import (
     polynomials,
     rationals,
 )
+from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._state_space import controllable_canonical_form
 from compensator_theory.systems._transfer_functions import TransferFunction
 
@@ -23,9 +24,9 @@ Hidden = Literal["uncontrollable", "unobservable", "both"]
 
 @st.composite
 def compensators(
-    draw: st.DrawFn, order: int, hidden: tuple[Hidden, ...] = ()
-) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
-    """Draw strictly proper SISO compensators (A_c, B_c, C_c) of the given order.
+    draw: st.DrawFn, order: int, hidden: tuple[Hidden, ...] = (), variable: str = "s"
+) -> Realisation:
+    """Draw strictly proper SISO compensators of the given order.
 
     Parameters
     ----------
@@ -37,7 +38,7 @@ def compensators(
 
     Returns
     -------
-    strategy for tuples of sympy.ImmutableMatrix
+    strategy for Realisation
         The coordinates hide the structure. The visible part has order n_c - len(hidden); with order
         0 it is the zero compensator. No two modes are at the same number, so that each remains
         controllable or observable where it is to be.
@@ -57,7 +58,8 @@ def compensators(
         b = draw(nonzero_rationals()) if kind == "unobservable" else 0
         c = draw(nonzero_rationals()) if kind == "uncontrollable" else 0
         B, C = B.col_join(ImmutableMatrix([[b]])), C.row_join(ImmutableMatrix([[c]]))
-    return disguised(A, B, C, draw(unimodular_matrices(order)))
+    matrices = disguised(A, B, C, draw(unimodular_matrices(order)))
+    return Realisation(*matrices, variable=Symbol(variable))
 
 
 @st.composite

@@ -17,6 +17,7 @@ from compensator_theory.strategies.polynomials import (
     polynomials,
     rationals,
 )
+from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._state_space import controllable_canonical_form
 from compensator_theory.systems._transfer_functions import TransferFunction
 
@@ -145,9 +146,9 @@ def irrational_polynomials(draw: st.DrawFn, pairs: int, variable: str = "s") -> 
 
 @st.composite
 def minimal_mimo_plants(
-    draw: st.DrawFn, mcmillan_degree: int, inputs: int = 2, outputs: int = 2
-) -> Triple:
-    """Draw minimal realisations (A, B, C) with several signals, of given McMillan degree.
+    draw: st.DrawFn, mcmillan_degree: int, inputs: int = 2, outputs: int = 2, variable: str = "s"
+) -> Realisation:
+    """Draw minimal realisations with several signals, of given McMillan degree.
 
     One input and one output alone control and observe everything, so that A has one Jordan block
     for each eigenvalue; the other columns and rows are arbitrary.
@@ -155,11 +156,11 @@ def minimal_mimo_plants(
     Examples
     --------
     >>> from hypothesis import given
-    >>> from compensator_theory import mcmillan_degree, realisation
+    >>> from compensator_theory import mcmillan_degree
     >>> from compensator_theory.strategies import minimal_mimo_plants
     >>> @given(minimal_mimo_plants(2))
     ... def check(plant):
-    ...     assert mcmillan_degree(realisation(plant, "s").transfer_matrix()) == 2
+    ...     assert mcmillan_degree(plant.transfer_matrix()) == 2
     >>> check()
     """
     if min(mcmillan_degree, inputs, outputs) < 1:
@@ -170,11 +171,13 @@ def minimal_mimo_plants(
     A, b, c, _ = controllable_canonical_form(TransferFunction(N, D))
     B = ImmutableMatrix(b.row_join(draw(matrices(n, inputs - 1))))
     C = ImmutableMatrix(c.col_join(draw(matrices(outputs - 1, n))))
-    return disguised(A, B, C, draw(unimodular_matrices(n)))
+    return Realisation(*disguised(A, B, C, draw(unimodular_matrices(n))), variable=Symbol(variable))
 
 
 @st.composite
-def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Triple]:
+def derogatory_loops(
+    draw: st.DrawFn, max_order: int = 3, variable: str = "s"
+) -> tuple[Realisation, Realisation]:
     """Draw a SISO plant and a compensator of its order with two Jordan blocks for one pole.
 
     The compensator has a mode that is both uncontrollable and unobservable, and the plant's last
@@ -183,16 +186,14 @@ def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Tripl
     Examples
     --------
     >>> from hypothesis import given
-    >>> from compensator_theory import Realisation
     >>> from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
     >>> from compensator_theory.matrices._invariant_subspaces import derogatory_factor
     >>> from compensator_theory.matrices._linear_algebra import characteristic_polynomial
     >>> from compensator_theory.strategies import derogatory_loops
     >>> @given(derogatory_loops())
     ... def check(loop):
-    ...     plant, compensator = (Realisation(*part) for part in loop)
-    ...     A = closed_loop_matrix(plant, compensator, variable="s")
-    ...     whole = characteristic_polynomial(A, plant.variable)
+    ...     A = closed_loop_matrix(*loop)
+    ...     whole = characteristic_polynomial(A, loop[0].variable)
     ...     assert derogatory_factor(A, whole).degree() == 1
     >>> check()
     """
@@ -213,17 +214,18 @@ def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Tripl
         visible = controllable_canonical_form(TransferFunction(N_c, D_c))[:3]
     A = ImmutableMatrix(diag(visible[0], mode))
     B, C = visible[1].col_join(ImmutableMatrix([[0]])), visible[2].row_join(ImmutableMatrix([[0]]))
-    return (
-        disguised(*plant, draw(unimodular_matrices(n))),
-        disguised(A, B, C, draw(unimodular_matrices(n))),
+    sides = (plant, (A, B, C))
+    return tuple(  # type: ignore[return-value]
+        Realisation(*disguised(*side, draw(unimodular_matrices(n))), variable=Symbol(variable))
+        for side in sides
     )
 
 
 @st.composite
 def plants_with_gain(
-    draw: st.DrawFn, max_order: int = 3
-) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
-    r"""Draw a minimal SISO plant (A, B, C) and a gain K that may hide a mode of A + BK from C.
+    draw: st.DrawFn, max_order: int = 3, variable: str = "s"
+) -> tuple[Realisation, ImmutableMatrix]:
+    r"""Draw a minimal SISO plant and a gain K that may hide a mode of A + BK from C.
 
     .. math:: \det(sI - A - BK) = (s - z) \cdots, \qquad N(z) = 0
 
@@ -235,8 +237,8 @@ def plants_with_gain(
     >>> from compensator_theory.strategies import plants_with_gain
     >>> @given(plants_with_gain())
     ... def check(drawn):
-    ...     A, B, C, K = drawn
-    ...     assert (A + B * K).shape == A.shape and C.shape == K.shape
+    ...     plant, K = drawn
+    ...     assert (plant.A + plant.B * K).shape == plant.A.shape and K.shape == plant.C.shape
     >>> check()
     """
     kind = draw(st.sampled_from(["any", "any", "zero", "onto a zero", "onto a zero"]))
@@ -263,7 +265,8 @@ def plants_with_gain(
     order = range(n) if at == list(_ascending(D, n)) else range(n - 1, -1, -1)
     K = ImmutableMatrix(1, n, [moved[i] for i in order])
     S = draw(unimodular_matrices(n))
-    return (*disguised(A, B, C, S), ImmutableMatrix(K * S.inv()))
+    plant = Realisation(*disguised(A, B, C, S), variable=Symbol(variable))
+    return plant, ImmutableMatrix(K * S.inv())
 
 
 def _ascending(p: Poly, n: int) -> ImmutableMatrix:

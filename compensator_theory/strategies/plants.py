@@ -14,6 +14,7 @@ from compensator_theory.strategies.polynomials import (
     rationals,
 )
 from compensator_theory.strategies.spectra import hurwitz_spectra, schur_spectra
+from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._standard_problems import StandardProblem
 from compensator_theory.systems._state_space import controllable_canonical_form
 from compensator_theory.systems._transfer_functions import TransferFunction
@@ -195,27 +196,22 @@ def _with_spectrum(
 
 
 @st.composite
-def minimal_plants(
-    draw: st.DrawFn, max_order: int = 4
-) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
-    """Draw minimal SISO realisations (A, B, C), in coordinates that hide the canonical form.
+def minimal_plants(draw: st.DrawFn, max_order: int = 4, variable: str = "s") -> Realisation:
+    """Draw minimal SISO realisations, in coordinates that hide the canonical form.
 
     Examples
     --------
     >>> from hypothesis import given
-    >>> from compensator_theory.matrices._linear_algebra import rank
     >>> from compensator_theory.strategies import minimal_plants
     >>> @given(minimal_plants(3))
     ... def check(plant):
-    ...     A, B, C = plant
-    ...     assert rank(ImmutableMatrix.hstack(*(A**k * B for k in range(A.rows)))) == A.rows
-    ...     assert rank(ImmutableMatrix.vstack(*(C * A**k for k in range(A.rows)))) == A.rows
-    >>> from sympy import ImmutableMatrix
+    ...     assert plant.is_minimal and plant.C.shape == (1, plant.n)
     >>> check()
     """
     plant = draw(strictly_proper_plants(max_order=max_order))
     A, B, C, _ = controllable_canonical_form(plant)
-    return disguised(A, B, C, draw(unimodular_matrices(A.rows)))
+    matrices = disguised(A, B, C, draw(unimodular_matrices(A.rows)))
+    return Realisation(*matrices, variable=Symbol(variable))
 
 
 @st.composite

@@ -21,7 +21,8 @@ s = Symbol("s")
 @st.composite
 def plants_and_spectra(draw: st.DrawFn) -> tuple[Matrix, Matrix, Matrix, tuple[Expr, ...]]:
     """Draw a minimal plant and as many poles."""
-    A, B, C = (Matrix(M) for M in draw(minimal_plants(max_order=4)))
+    plant = draw(minimal_plants(max_order=4))
+    A, B, C = Matrix(plant.A), Matrix(plant.B), Matrix(plant.C)
     return A, B, C, draw(spectra(A.rows))
 
 

@@ -43,9 +43,9 @@ def symbolic_placements(draw):
 
 @st.composite
 def observer_based(draw):
-    A, B, C = draw(minimal_plants(2))
-    spectrum = spectra(A.rows)
-    return exact.observer_based_compensator((A, B, C), draw(spectrum), draw(spectrum), variable="s")
+    plant = draw(minimal_plants(2))
+    spectrum = spectra(plant.n)
+    return exact.observer_based_compensator(plant, draw(spectrum), draw(spectrum))
 
 
 EXCEPTIONAL_CASES = st.sampled_from(["1", "s - c", "c*s**2 + 1"]).map(
@@ -60,7 +60,7 @@ def loops(order=1, hidden=()):
 
 
 def forms(order=1):
-    return loops(order).map(lambda pair: exact.observer_forms(*pair, variable="s"))
+    return loops(order).map(lambda pair: exact.observer_forms(*pair))
 
 
 def first_form(forms):
@@ -134,9 +134,9 @@ DESCRIPTORS = SYMBOLS.map(
     )
 )
 STATE_SPACES = st.builds(
-    lambda plant, a: exact.Realisation(*plant, variable="z") if a is None else
+    lambda plant, a: plant if a is None else
     exact.Realisation([[0, a], [0, 0]], [[0], [1]], [[1, 0]], variable="q"),
-    minimal_plants(2), st.none() | SYMBOLS
+    minimal_plants(2, "z"), st.none() | SYMBOLS
 )  # fmt: skip
 
 POLYNOMIAL_MATRICES = st.builds(
@@ -183,7 +183,7 @@ SAMPLES = {
         )
     ),
     results.FixedModes: minimal_plants(2).map(
-        lambda plant: exact.geometry.decentralised_fixed_modes(plant, [([0], [0])], variable="s")
+        lambda plant: exact.geometry.decentralised_fixed_modes(plant, [([0], [0])])
     ),
     results.Decoupling: strictly_proper_plants(max_order=2).map(exact.geometry.decouple),
     results.Interactor: strictly_proper_plants(max_order=2).map(exact.geometry.interactor)
@@ -308,7 +308,7 @@ SAMPLES = {
     results.PartialFractions: EXPANSIONS,
     results.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.results.Certificate: minimal_plants().map(
-        lambda plant: exact.realisation(plant, "s").transfer_function().certificate
+        lambda plant: plant.transfer_function().certificate
     ),
     exact.Budget: st.builds(exact.Budget, degree=st.integers(1, 10**6)),
     results.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
@@ -352,7 +352,7 @@ SAMPLES = {
     results.PropositionCheck: coprime_pairs().map(
         lambda pair: exact.bezout.check_proposition_3(*pair, n_c=int(pair[0].degree()), m_hat=0)
     ),
-    exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
+    exact.Realisation: minimal_plants()
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
     exact.DescriptorSystem: DESCRIPTORS,
     results.WeierstrassForm: DESCRIPTORS.map(lambda system: system.weierstrass_form()),

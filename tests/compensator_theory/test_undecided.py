@@ -31,7 +31,7 @@ def test_structure_of_rational_systems_is_always_decided(pair, kinds, data):
     G = exact.transfer_function((b, a))
     assert (G.is_coprime, G.is_proper, G.is_strictly_proper) == (False, True, True)
     assert exact.bezout.number_of_common_roots(a, b) is not None
-    system = exact.Realisation(*data.draw(compensators(2, tuple(kinds))))
+    system = data.draw(compensators(2, tuple(kinds)))
     answers = (system.is_controllable, system.is_observable, system.is_minimal)
     assert None not in answers
     lost = {"uncontrollable": (0, 1), "unobservable": (1, 0), "both": (0, 0)}

@@ -14,12 +14,12 @@ s = sympy.Symbol("s")
 
 @given(minimal_plants())
 def test_markov_parameters_are_those_of_the_realisation(plant):
-    A, power, C = plant
+    A, power, C = plant.A, plant.B, plant.C
     expected = [0]
     for _ in range(2 * A.rows):
         expected.append((C * power)[0, 0])
         power = A * power
-    assert list(ct.markov_parameters(ct.Realisation(*plant), len(expected))) == expected
+    assert list(ct.markov_parameters(plant, len(expected))) == expected
 
 
 def test_symbolic_markov_parameters():

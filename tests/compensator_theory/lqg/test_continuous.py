@@ -28,7 +28,8 @@ def centres(rows):
 @st.composite
 def regulators(draw):
     """Controllable pairs, a cost that has no zero on the axis: the last row of z is u alone."""
-    A, B, C = draw(minimal_plants(3))
+    plant = draw(minimal_plants(3))
+    A, B, C = plant.A, plant.B, plant.C
     E_1 = C.col_join(draw(matrices(1, A.rows))).col_join(sympy.zeros(1, A.rows))
     weight = draw(st.sampled_from([sympy.Rational(1, 3), 1, 2]))
     return A, B, E_1, sympy.Matrix([0, *draw(matrices(1, 1)), weight])

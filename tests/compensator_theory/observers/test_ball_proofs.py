@@ -67,12 +67,11 @@ def test_as_many_forms_as_well_conditioned_subspaces_in_floats(loop):
 @settings(max_examples=20)
 @given(minimal_plants(2), compensators(2))
 def test_where_all_forms_are_rational_both_ways_count_the_same(plant, compensator):
-    system, controller = Realisation(*plant), Realisation(*compensator)
-    if system.n != 2:
+    if plant.n != 2:
         return
-    forms = observer_forms(system, controller)
+    forms = observer_forms(plant, compensator)
     if forms.is_complete and not forms.has_continuum and not forms.undecided:
-        loop = closed_loop_matrix(system, controller)
+        loop = closed_loop_matrix(plant, compensator)
         proof = prove_forms(loop, forms.characteristic_polynomial, 2)
         assert proof.proved == len(forms.forms)
 
@@ -138,7 +137,7 @@ def shares(strategy, count):
 @st.composite
 def nonminimal_plants(draw):
     kinds = draw(st.sampled_from([("uncontrollable",), ("unobservable",)]))
-    return Realisation(*draw(compensators(2, kinds))), Realisation(*draw(compensators(2)))
+    return draw(compensators(2, kinds)), draw(compensators(2))
 
 
 @pytest.mark.slow
@@ -147,7 +146,7 @@ def nonminimal_plants(draw):
     [
         (mimo_loops(), 80, 0.02),
         (nonminimal_plants(), 60, 0.02),
-        (derogatory_loops(3).map(lambda pair: tuple(Realisation(*p) for p in pair)), 60, 0.02),
+        (derogatory_loops(3), 60, 0.02),
     ],
     ids=["several signals", "hidden plant modes", "derogatory"],
 )

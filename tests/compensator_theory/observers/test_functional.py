@@ -58,14 +58,13 @@ def test_what_cannot_be_moved_is_unobservable(plant, data):
 
 @given(minimal_plants(4), st.data())
 def test_a_compensator_of_order_n_less_one_separates(plant, data):
-    A, B, C = plant
-    n = A.rows
+    A, B, n = plant.A, plant.B, plant.n
     assume(n > 1)
     regulator, observer = data.draw(hurwitz_spectra(n)), data.draw(hurwitz_spectra(n - 1))
     K = ct.state_feedback_family(A, B, regulator).gain()
-    compensator = ct.reduced_order_observer((A, B, C), observer, variable="s").compensator(K)
+    compensator = ct.reduced_order_observer(plant, observer).compensator(K)
     assert compensator.n == n - 1 and compensator.certificate.holds
-    loop = sympy.Matrix(ct.Realisation(A, B, C).feedback_with(compensator, feedback=1).A)
+    loop = sympy.Matrix(plant.feedback_with(compensator, feedback=1).A)
     poly = ct.polynomial_from_roots((*regulator, *observer), "s")
     assert sympy.Poly(loop.charpoly(s).as_expr(), s, domain="QQ") == poly
 

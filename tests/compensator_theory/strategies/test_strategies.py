@@ -9,10 +9,17 @@ from hypothesis import strategies as st
 from hypothesis.statistics import collector
 from sympy import ImmutableMatrix
 
-from compensator_theory import InputError, count_roots, decide_stability, polynomial_from_roots
+from compensator_theory import (
+    InputError,
+    certified_roots,
+    count_roots,
+    decide_stability,
+    polynomial_from_roots,
+)
 from compensator_theory import strategies as ours
 from compensator_theory.loops._siso import closed_loop_of_pair, is_well_posed
 from compensator_theory.matrices._linear_algebra import rank
+from compensator_theory.observers import realisation_is_observer_based
 from tests.support.shares import shares
 
 ALL = {
@@ -46,6 +53,7 @@ ALL = {
     "plants_with_common_factor": ours.plants_with_common_factor(),
     "boundary_loops": ours.boundary_loops("z"),
     "boundary_polynomials": ours.boundary_polynomials(),
+    "loops_with_spectrum": ours.loops_with_spectrum(3),
 }
 
 
@@ -89,7 +97,8 @@ def controllability(A, B):
        st.integers(0, 2), st.data())  # fmt: skip
 def test_hidden_modes_are_hidden_as_asked(kinds, visible, data):
     order = visible + len(kinds)
-    A, B, C = data.draw(ours.compensators(order, tuple(kinds)))
+    compensator = data.draw(ours.compensators(order, tuple(kinds)))
+    A, B, C = compensator.A, compensator.B, compensator.C
     assert (A.shape, B.shape, C.shape) == ((order, order), (order, 1), (1, order))
     if order:
         lost = kinds.count("uncontrollable") + kinds.count("both")
@@ -142,8 +151,8 @@ def test_they_shrink_to_the_simplest(in_full):
     plant = shrunk(ours.strictly_proper_plants(), lambda p: p.order == 2)
     assert str(plant) == "(1)/(s**2)"
     if in_full:
-        A, _, _ = shrunk(ours.minimal_plants(2), lambda plant: plant[0].rows == 2)
-        assert sympy.Matrix([[0, 1], [0, 0]]) == A
+        plant = shrunk(ours.minimal_plants(2), lambda plant: plant.n == 2)
+        assert sympy.Matrix([[0, 1], [0, 0]]) == plant.A
 
 
 def test_bad_input():
@@ -156,8 +165,9 @@ def test_bad_input():
             occurs(ours.compensators(order, hidden), lambda c: True)
 
 
-def observability(A, C):
-    return controllability(A.T, C.T)
+def _seen(plant, K):
+    """The dimension that the output shows of the plant with the gain."""
+    return controllability((plant.A + plant.B * K).T, plant.C.T)
 
 
 @pytest.mark.costly
@@ -169,7 +179,7 @@ def observability(A, C):
         (ours.strictly_proper_plants(),
          lambda G: G.denominator.gcd(G.denominator.diff()).degree() > 0, 0.15, 0.6),
         (ours.plants_with_gain(),
-         lambda c: observability(c[0] + c[1] * c[3], c[2]) < c[0].rows, 0.15, 0.6),
+         lambda c: _seen(*c) < c[0].n, 0.15, 0.6),
         (ours.plants_and_compensators(),
          lambda c: (c[0].numerator * c[1].numerator).gcd(
              c[0].denominator * c[1].denominator).degree() > 0, 0.25, 0.75),
@@ -221,4 +231,37 @@ def test_observability_does_not_survive_feedback():
     """A false theorem is refuted within 60 examples."""
     case = ours.plants_with_gain()
     quick = settings(max_examples=60, database=None, phases=[Phase.generate], derandomize=True)
-    find(case, lambda c: observability(c[0] + c[1] * c[3], c[2]) < c[0].rows, settings=quick)
+    find(case, lambda c: _seen(*c) < c[0].n, settings=quick)
+
+
+@pytest.mark.costly
+@pytest.mark.cases(6)
+@pytest.mark.parametrize(
+    ("options", "time"),
+    [({"real_roots": False}, None), ({"feedback": -1}, None), ({"region": "stable"}, "continuous"),
+     ({"region": "stable", "variable": "z"}, "discrete")],
+)  # fmt: skip
+def test_loops_have_the_spectrum_that_was_drawn(options, time):
+    @given(ours.loops_with_spectrum(2, **options))
+    def check(loop):
+        plant, compensator = loop
+        assert plant.is_minimal and compensator.is_minimal and plant.n == compensator.n == 2
+        sign = options.get("feedback", 1)
+        poles = plant.feedback_with(compensator, feedback=sign).characteristic_polynomial
+        assert time is None or decide_stability(poles, time=time).is_stable
+        if options.get("real_roots") is False:
+            assert not any(root.is_real for root in certified_roots(poles))
+
+    check()
+
+
+@pytest.mark.costly
+def test_observers_are_no_rule_in_order_three():
+    """Refuted within 60 examples: without real poles no three are closed under conjugation."""
+    quick = settings(max_examples=60, database=None, phases=[Phase.generate], derandomize=True)
+    plant, compensator = find(
+        ours.loops_with_spectrum(3),
+        lambda loop: realisation_is_observer_based(*loop).answer is False,
+        settings=quick,
+    )
+    assert plant.n == compensator.n == 3
