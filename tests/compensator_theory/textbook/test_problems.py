@@ -290,7 +290,9 @@ def close_end(found, text):
 
 def stability_delays(coefficients, largest):
     ((lower, upper),) = exact.stability_delays(coefficients).windows
-    return lower.centre == lower.radius == 0 and (upper is None if largest == "oo" else close(upper, largest))
+    return lower.centre == lower.radius == 0 and (
+        upper is None if largest == "oo" else close(upper, largest)
+    )
 
 
 def matrix_poles_and_zeros(G, poles, zeros):
