@@ -56,32 +56,50 @@ def main() -> int:
     parser.add_argument("site", type=Path)
     parser.add_argument("--pictures", type=Path, help="a folder for pictures of each page")
     options = parser.parse_args()
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     try:
-        from playwright.sync_api import Error, sync_playwright
-    except ImportError:
-        chromium = None
-    if chromium is None:
-        print("NOT CHECKED: the docs were not opened; that needs Chromium and Playwright")
-        return NOT_CHECKED
-    with sync_playwright() as driver:
-        try:
-            browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        except Error as error:
-            print(f"NOT CHECKED: the docs were not opened; Chromium does not start: {error}")
-            return NOT_CHECKED
-        questions = {
-            question: pages
-            for path in SEARCHES
-            for question, pages in tomllib.loads(path.read_text()).items()
-        }
-        with served(options.site) as site:
+        with chromium() as browser, served(options.site) as site:
+            questions = {
+                question: pages
+                for path in SEARCHES
+                for question, pages in tomllib.loads(path.read_text()).items()
+            }
             wrong = [*searches(browser, site, questions), *views(browser, site, options.pictures)]
-        browser.close()
+    except NoBrowserError as error:
+        print(f"NOT CHECKED: the docs were not opened; {error}")
+        return NOT_CHECKED
     print(
         "\n".join(wrong) or f"docs in Chromium: {len(questions)} searches, {len(LOOKED_AT)} pages"
     )
     return 1 if wrong else 0
+
+
+class NoBrowserError(Exception):
+    """Chromium cannot be driven on this machine, for the reason that it says."""
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Chromium without a window.
+
+    Raises
+    ------
+    NoBrowserError
+        Chromium or Playwright are not installed, or Chromium does not start.
+    """
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    if path is None:
+        raise NoBrowserError("that needs Chromium")
+    try:
+        from playwright.sync_api import Error, sync_playwright
+    except ImportError:
+        raise NoBrowserError("that needs Playwright") from None
+    with sync_playwright() as driver:
+        try:
+            browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        except Error as error:
+            raise NoBrowserError(f"Chromium does not start: {error}") from error
+        yield browser
+        browser.close()
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from docutils import nodes
 from sphinx.util import logging
 
 import rcac_experiments.dissertation
+from docs.browser.pages import STATIC, setup_browser
 from docs.constructions_page import FILE as CONSTRUCTIONS
 from docs.constructions_page import constructions_table
 from docs.cross_references import intersphinx, resolve_public, skip_foreign, type_links
@@ -81,7 +82,7 @@ if repository := PROJECT.get("urls", {}).get("Repository"):
         "source_repository": repository, "source_branch": "main", "source_directory": "docs/",
     }  # fmt: skip
 html_title = "compensator-theory"
-html_static_path = ["_static"]
+html_static_path = ["_static", STATIC]
 html_css_files = ["pictures.css"]
 html_js_files = [(name, {"defer": "defer"}) for name in ("reachable.js", "search_words.js")]
 # The explorer, which is built with the pages: _static/explorer.html.
@@ -203,6 +204,7 @@ def keep_only_the_page(app, tree):
 def setup(app):
     setup_equations(app)
     setup_formulas(app)
+    setup_browser(app)
     app.connect("doctree-read", keep_only_the_page)
     app.connect("builder-inited", build_explorer)
     app.connect("doctree-resolved", insert_thumbnails)
