@@ -21,6 +21,7 @@ from rcac_numeric.identification._joint_fits import (
 )
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._joint_search import JointSearch
+from rcac_numeric.identification._joint_stability import LIMIT, largest_root
 from rcac_numeric.identification._process_evidence import (
     FEW,
     KNOWN,
@@ -33,6 +34,8 @@ from rcac_numeric.identification._process_evidence import (
     without_jumps,
 )
 from rcac_numeric.identification._process_search import NOISES, ODDS, RICHER
+
+SLOW_POLE = 20.0  # abs(1 - pole) times the steps: a pole that the record cannot tell from 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,6 +207,26 @@ def gain_gates(search: JointSearch, fit: JointFit, i: int, names: Names) -> tupl
         ))  # fmt: skip
         gates.append(sign_of(search, one, edge / 3, u, y))
     return tuple(gates)
+
+
+def stability_gates(search: JointSearch, fit: JointFit, i: int, names: Names) -> tuple[Gate, ...]:
+    """That a pole near 1 is not outside the circle, as far as a long regression can tell.
+
+    All models here have their poles inside the circle: that of an unstable plant ends near 1.
+    """
+    near = SLOW_POLE / search.record.longest
+    if all(np.abs(1 - pole) > near for one in fit.channels for pole in np.roots(one.denominator)):
+        return ()
+    modulus, deviation = largest_root(search.record)
+    bound = modulus + LIMIT * deviation
+    return (Gate(
+        f"stability of {names.y(i)}", bound < 1 + near, bound, 1 + near,
+        f"the largest root of a long regression is {modulus:.4g} +- {LIMIT * deviation:.2g}, and "
+        f"the model has a pole near 1; below {1 + near:.4g} the plant is taken for an integrating "
+        "one",
+        "The plant may be unstable: identify_process and design take such a plant from one record "
+        "of one input and output, without gaps. Else excite u more, or record longer.",
+    ),)  # fmt: skip
 
 
 def sign_of(search: JointSearch, channel: Channel, omega: float, u: str, y: str) -> Gate:

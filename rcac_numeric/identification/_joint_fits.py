@@ -339,12 +339,18 @@ def joint_fit(
     )  # fmt: skip
 
 
+def student_weights(record: JointRecord, fit: JointFit) -> Array:
+    """The square roots of the weights by which least squares have Student's likelihood."""
+    scale = record.likelihood(fit.e)[2]
+    weights = np.zeros(record.steps)
+    weights[record.observed] = np.sqrt((DEGREES + 1) / (DEGREES + (fit.e / scale) ** 2))
+    return weights
+
+
 def reweighted(record: JointRecord, fit: JointFit, rounds: int = 4) -> JointFit:
     """The fit again by Student's likelihood: least squares with the weights of its errors."""
     for _ in range(rounds):
-        scale = record.likelihood(fit.e)[2]
-        weights = np.zeros(record.steps)
-        weights[record.observed] = np.sqrt((DEGREES + 1) / (DEGREES + (fit.e / scale) ** 2))
+        weights = student_weights(record, fit)
         again = joint_fit(record, fit.start, weights=weights, iterations=8)
         if again is None:
             break

@@ -15,8 +15,10 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import gaps_as_nan, integer, items
 from rcac_numeric.identification._process_records import (
+    JUMP,
     LEAST,
     QUANTUM_SD,
+    ROBUST,
     at_rest,
     likelihood_of,
     quantum_of,
@@ -124,6 +126,15 @@ class JointRecord:
         zeros = np.zeros((*rows.shape[:-1], steps))
         pieces = [one for part in self.parts for one in (rows[..., part], zeros)]
         return np.concatenate(pieces[:-1], axis=-1)
+
+    def clipped(self) -> Array | None:
+        """Y with its jumps clipped at six robust standard deviations; None where it has none."""
+        dy = self.y - self.later(self.y, 1)  # each part begins at 0
+        middle = float(np.median(dy))
+        size = JUMP * (ROBUST * float(np.median(np.abs(dy - middle))) + 1e-12)
+        if size < JUMP * 1e-6 or not (np.abs(dy - middle) > size).any():
+            return None
+        return self.summed(np.clip(dy, middle - size, middle + size))
 
     def likelihood(self, e: Array) -> tuple[float, float, float]:
         """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter."""

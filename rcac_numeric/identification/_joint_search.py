@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,12 +24,16 @@ from rcac_numeric.identification._joint_fits import (
     joint_disturbance,
     joint_fit,
     reweighted,
+    student_weights,
 )
 from rcac_numeric.identification._joint_records import JointRecord
+from rcac_numeric.identification._process_records import DEGREES, JUMP, ROBUST
 from rcac_numeric.identification._process_search import (
     ALIKE,
     BESIDE,
     CANCELLED,
+    DRIFTING,
+    MOST_JUMPS,
     MOST_STEPS,
     NOISES,
     NOTCH,
@@ -47,6 +51,7 @@ from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 SWEEPS = 3  # over the inputs, in a start
 MOST_ORDER = 3  # of a channel
 EXTENSIONS = 8  # of the best model
+POLES = (0.2, 0.5, 0.7, 0.85, 0.93, 0.97)  # one of which extends a channel
 KEPT = 6  # models that are refined
 RINGING = 3.0  # (1 - abs(pole)) times the steps: an oscillation that hardly decays
 
@@ -122,6 +127,21 @@ class JointSearch:
         self.record, self.inputs = record, tuple(inputs)
         self.costs = joint_costs(record)
         self.fits: list[JointFit] = []
+        self._searched()
+        y = _without_jumps(record)
+        y = record.clipped() if y is None else y
+        if y is not None:
+            self._without_accidents(replace(record, y=y), record)
+        self._robust()
+        self._rank()
+        for _ in range(EXTENSIONS):
+            if not self._varied():
+                break
+        self._without_cancelled()
+
+    def _searched(self) -> None:
+        """Fits from the global start, then of further orders and noises."""
+        record = self.record
         self._begin()
         if self.fits and any(record.after_gaps):
             best = self.fits[0]
@@ -137,9 +157,49 @@ class JointSearch:
         self._noise()
         self._reduce()
         self._cancelled()
-        self._robust()
+
+    def _without_accidents(self, clipped: JointRecord, record: JointRecord) -> None:
+        """Search on y without jumps and spikes, then fit to y from there by Student's likelihood.
+
+        Jumps and spikes draw least squares away from the plant: of a noise that drifts a jump is
+        one error; of one that returns, all that follow.
+        """
+        plain, target, self.fits, self.record = self.fits, self.record, [], clipped
+        self._searched()
+        best, searched = self.fits[:KEPT], self.record
+        if any(record.after_gaps):
+            target = replace(target, observed=target.observed & searched.observed)
+        self.fits, self.record = plain, target
+        for start in (one.start for one in best):
+            starts, noise = [start], start.noise
+            if not noise.differences:
+                drifting = NoiseModel(np.convolve(noise.C, [1, -DRIFTING]), noise.D, 1)
+                starts.append(replace(start, noise=drifting))
+            for one in starts:
+                at_start = joint_fit(self.record, one, iterations=0)
+                if at_start is not None and at_start.heavy:
+                    self.fits.append(self._priced(reweighted(self.record, at_start)))
+
+    def _varied(self) -> bool:
+        """The best heavy model with one thing changed, by its weights; whether that pays."""
+        if not self.fits or not self.fits[0].heavy:
+            return False
+        best, changed = self.fits[0], list[JointStart]()
+        for i, one in enumerate(best.channels):
+            for other in [*_longer(one), *_shorter(one), *_shifted(one)]:
+                channels = (*best.channels[:i], other, *best.channels[i + 1 :])
+                changed.append(replace(best.start, channels=channels))
+        v = joint_disturbance(self.record, best.channels)
+        for orders in (*NOISES, *RICHER.values()):
+            changed.append(replace(best.start, noise=noise_start(v, orders)))
+        weights = student_weights(self.record, best)
+        fits = [joint_fit(self.record, one, iterations=8, weights=weights) for one in changed]
+        priced = sorted((self._priced(fit) for fit in fits if fit is not None), key=_bic)
+        for fit in priced[:2]:
+            if fit.bic < best.bic + WORSE:
+                self.fits.append(self._priced(reweighted(self.record, fit)))
         self._rank()
-        self._without_cancelled()
+        return self.fits[0].bic < best.bic - 1.0
 
     @property
     def delays(self) -> int:
@@ -188,7 +248,7 @@ class JointSearch:
 
     def _begin(self) -> None:
         """From each whitener the poles and delays of all inputs in turn, then short fits."""
-        record, short = self.record, []
+        record, short = self.record, list[JointFit]()
         grid = np.exp(-1 / np.geomspace(
             SHORTEST, max(10.0, min(record.longest / 4, LONGEST)), TIME_CONSTANTS
         ))  # fmt: skip
@@ -196,26 +256,10 @@ class JointSearch:
             np.poly(poles).astype(np.float64) for a in grid for poles in ([a], [a, a**2])
         ]
         for D, differences in WHITENERS:
-            noise = NoiseModel(ONE, D, differences)
-            channels = dict[int, Channel]()
-            for sweep in range(SWEEPS if len(self.inputs) > 1 else 1):
-                before = {j: one.key for j, one in channels.items()}
-                for j in self.inputs:
-                    others = [one for i, one in channels.items() if i != j]
-                    scan = channel_scan(
-                        record, j, candidates, others, noise, count=2, delays=self.delays
-                    )
-                    value = record.count * np.log(scan.squares) + self.costs
-                    i, delay = np.unravel_index(int(value.argmin()), value.shape)
-                    channels[j] = Channel(
-                        j, candidates[i], scan.numerators[i, delay], int(delay)
-                    )  # fmt: skip
-                if sweep and before == {j: one.key for j, one in channels.items()}:
-                    break
-            ordered = tuple(channels[j] for j in self.inputs)
-            v = joint_disturbance(record, ordered)
+            channels = self._swept(candidates, NoiseModel(ONE, D, differences))
+            v = joint_disturbance(record, channels)
             for orders in NOISES:
-                start = JointStart(ordered, noise_start(v, orders))
+                start = JointStart(channels, noise_start(v, orders))
                 fit = joint_fit(record, start, iterations=SHORT)
                 if fit is not None:
                     short.append(self._priced(fit))
@@ -225,6 +269,23 @@ class JointSearch:
             if fit is not None:
                 self._moved(fit)
         self._rank()
+
+    def _swept(self, candidates: Sequence[Array], noise: NoiseModel) -> tuple[Channel, ...]:
+        """Poles and delay of each input in turn, until none moves."""
+        record, channels = self.record, dict[int, Channel]()
+        for sweep in range(SWEEPS if len(self.inputs) > 1 else 1):
+            before = {j: one.key for j, one in channels.items()}
+            for j in self.inputs:
+                others = [one for i, one in channels.items() if i != j]
+                scan = channel_scan(
+                    record, j, candidates, others, noise, count=2, delays=self.delays
+                )
+                value = record.count * np.log(scan.squares) + self.costs
+                i, delay = np.unravel_index(int(value.argmin()), value.shape)
+                channels[j] = Channel(j, candidates[int(i)], scan.numerators[i, delay], int(delay))
+            if sweep and before == {j: one.key for j, one in channels.items()}:
+                break
+        return tuple(channels[j] for j in self.inputs)
 
     def scan_of(self, fit: JointFit, j: int) -> DelayScan:
         """All delays of one channel of a fit."""
@@ -257,12 +318,27 @@ class JointSearch:
             fit = again
         return fit
 
-    def _try(self, fit: JointFit, change: Callable[[Channel], Sequence[Channel]]) -> None:
-        """Fits in which one channel is changed."""
-        for i, one in enumerate(fit.channels):
-            for other in change(one):
+    def _try(self, fit: JointFit, changes: Iterable[Sequence[Channel]]) -> None:
+        """Fits in which one channel is changed, each to several."""
+        for i, others in enumerate(changes):
+            for other in others:
                 channels = (*fit.channels[:i], other, *fit.channels[i + 1 :])
                 self.fit(replace(fit.start, channels=channels))
+
+    def _extended(self, fit: JointFit, channel: Channel) -> list[Channel]:
+        """The channel with a further pole of a grid, its numerator and delay by a scan of all."""
+        if channel.order >= MOST_ORDER:
+            return []
+        candidates = [np.convolve(channel.A, [1.0, -pole]) for pole in POLES]
+        others = [one for one in fit.channels if one is not channel]
+        scan = channel_scan(
+            self.record, channel.input, candidates, others, fit.noise, count=channel.order + 1,
+            delays=self.delays, slope=fit.slope, summed=channel.summed,
+        )  # fmt: skip
+        value = self.record.count * np.log(scan.squares) + self.costs
+        i, delay = np.unravel_index(int(value.argmin()), value.shape)
+        B = np.concatenate([scan.numerators[i, delay], np.zeros(int(channel.summed))])
+        return [replace(channel, A=candidates[int(i)], B=B, delay=int(delay))]
 
     def _grow(self) -> None:
         """A further pole, or a pole at 1, of each channel as long as it pays."""
@@ -270,7 +346,10 @@ class JointSearch:
             if not self.fits:
                 return
             best = self.fits[0]
-            self._try(best, lambda one: [*_longer(one), *_summed(one, self.record.longest)])
+            self._try(best, [
+                [*_longer(one), *self._extended(best, one), *_summed(one, self.record.longest)]
+                for one in best.channels
+            ])  # fmt: skip
             self.fit(replace(best.start, slope=True), 12)
             self._rank()
             if self.fits[0] is best or self.fits[0].bic > best.bic - 1.0:
@@ -284,7 +363,7 @@ class JointSearch:
             if not self.fits:
                 return
             best = self.fits[0]
-            self._try(best, _shorter)
+            self._try(best, map(_shorter, best.channels))
             self._rank()
             if self.fits[0] is best:
                 break
@@ -350,6 +429,43 @@ class JointSearch:
                     self.fits.append(self._priced(fit))
 
 
+def _without_jumps(record: JointRecord) -> Array | None:
+    """Y less the jumps in the innovations of its differences; None if there are none, or many.
+
+    Of a long regression on past y and u, with Student's weights: what u does is no jump.
+    """
+    p = min(20, record.longest // 20)
+    y, u = (one - record.later(one, 1) for one in (record.y, record.u))  # parts begin at 0
+    X = np.concatenate(
+        [np.stack([record.later(rows, k) for k in range(1, p + 1)]) for rows in (y, *u)]
+    )
+    counts = record.observed & (record.later(record.observed.astype(np.float64), 1) > 0)
+    weights, e = counts.astype(np.float64), y
+    for _ in range(8):
+        scaled = X * weights
+        H = scaled @ scaled.T
+        H[np.diag_indices_from(H)] *= 1 + 1e-9
+        a = np.linalg.solve(H + 1e-300 * np.eye(len(H)), scaled @ (weights * y))
+        e = y - a @ X
+        scale = record.likelihood(e[counts])[2]
+        weights = counts * np.sqrt((DEGREES + 1) / (DEGREES + (e / scale) ** 2))
+    size = JUMP * (ROBUST * float(np.median(np.abs(e[counts]))) + 1e-12)
+    response = np.concatenate([ONE, -a[:p]])  # of e to a jump
+    jumps = np.zeros(record.steps)
+    e = np.where(counts, e, 0.0)
+    for part in record.parts:
+        e[part.start : part.start + p] = 0.0  # there the past is not known
+    for _ in range(int(MOST_JUMPS * record.steps)):
+        late = np.flatnonzero(np.abs(e) > size)
+        if not len(late):
+            return record.y - record.summed(jumps) if jumps.any() else None
+        k = int(late[0])
+        stop = min(k + p + 1, next(one.stop for one in record.parts if one.stop > k))
+        jumps[k] += e[k]
+        e[k:stop] -= e[k] * response[: stop - k]
+    return None
+
+
 def _of_each_noise(fits: list[JointFit]) -> list[JointFit]:
     """The two best of each kind of noise."""
     return [one for i in (0, 1) for one in [f for f in fits if f.noise.differences == i][:2]]
@@ -368,6 +484,18 @@ def _longer(one: Channel) -> list[Channel]:
         B = np.concatenate([B, np.zeros(n + one.summed - len(B))])
         if np.abs(B).any():
             both.append(replace(one, A=A, B=B, delay=one.delay - earlier))
+    return both
+
+
+def _shifted(one: Channel) -> list[Channel]:
+    """A step earlier and later."""
+    both = []
+    for shift in (-1, 1):
+        B = np.concatenate([[0.0], one.B[:-1]])
+        if shift > 0:
+            B = np.concatenate([one.B[1:], [0.0]])
+        if one.delay + shift >= 0 and np.abs(B).any():
+            both.append(replace(one, delay=one.delay + shift, B=B))
     return both
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.stats import norm
 
@@ -25,14 +27,36 @@ def unstable_root(record: JointRecord, limit: float) -> complex | None:
     for order in ORDERS:
         # With every past y observed; and with missing ones interpolated, of which there are more.
         for is_whole in {True, bool(record.observed.all())}:
-            for p, deviations in _roots(record, order, is_whole):
-                if deviations > worst:
-                    worst, root = deviations, p
+            regression = _regression(record, order, is_whole)
+            for p, deviation in () if regression is None else regression.roots:
+                if (abs(p) - OUTSIDE) / deviation > worst and abs(p) > OUTSIDE:
+                    worst, root = (abs(p) - OUTSIDE) / deviation, p
     return root
 
 
-def _roots(record: JointRecord, order: int, is_whole: bool) -> list[tuple[complex, float]]:
-    """The roots outside the circle, each with its distance from it in standard deviations."""
+def largest_root(record: JointRecord) -> tuple[float, float]:
+    """The largest modulus of a root and its standard deviation, of the order of the least BIC.
+
+    Infinite where no regression is possible.
+    """
+    regressions = [_regression(record, order, bool(record.observed.all())) for order in ORDERS]
+    known = [one for one in regressions if one is not None]
+    if not known:
+        return np.inf, np.inf
+    p, deviation = max(min(known, key=lambda one: one.bic).roots, key=lambda root: abs(root[0]))
+    return abs(p), deviation
+
+
+@dataclass(frozen=True)
+class _Regression:
+    """BIC a row of a long regression, and its roots with the standard deviations of the moduli."""
+
+    bic: float
+    roots: list[tuple[complex, float]]
+
+
+def _regression(record: JointRecord, order: int, is_whole: bool) -> _Regression | None:
+    """Y regressed on its past and that of every input; None where the rows are too few."""
     lags = range(1, order + 1)
     counts = record.observed.copy()
     for part in record.parts:
@@ -48,7 +72,7 @@ def _roots(record: JointRecord, order: int, is_whole: bool) -> list[tuple[comple
     past += [record.later(u, k) for u in record.u for k in lags]
     X = np.concatenate([np.stack(past), levels])[:, counts]
     if X.shape[1] < STEPS_A_COEFFICIENT * len(X):
-        return []
+        return None
     size = np.sqrt(np.einsum("ij,ij->i", X, X))
     size[size == 0] = 1.0
     X = X / size[:, None]
@@ -62,9 +86,9 @@ def _roots(record: JointRecord, order: int, is_whole: bool) -> list[tuple[comple
     slope = np.polyder(A)
     roots = []
     for p in np.roots(A):
-        if abs(p) > OUTSIDE:
-            by = -(p ** (order - np.arange(1, order + 1))) / np.polyval(slope, p)
-            of_modulus: Array = np.real(np.conj(p) / abs(p) * by)
-            deviation = float(np.sqrt(max(of_modulus @ covariance @ of_modulus, 1e-300)))
-            roots.append((complex(p), (abs(p) - OUTSIDE) / deviation))
-    return roots
+        by = -(p ** (order - np.arange(1, order + 1))) / np.polyval(slope, p)
+        of_modulus: Array = np.real(np.conj(p) / max(abs(p), 1e-300) * by)
+        deviation = float(np.sqrt(max(of_modulus @ covariance @ of_modulus, 1e-300)))
+        roots.append((complex(p), deviation))
+    power = max(float(e @ e) / len(y), 1e-300)
+    return _Regression(float(np.log(power)) + len(theta) * float(np.log(len(y))) / len(y), roots)

@@ -19,6 +19,7 @@ from rcac_numeric.identification._joint_evidence import (
     effect_gates,
     effect_of,
     gain_gates,
+    stability_gates,
 )
 from rcac_numeric.identification._joint_fits import (
     Channel,
@@ -39,7 +40,7 @@ from rcac_numeric.identification._joint_stability import LIMIT, OPEN_LIMIT, unst
 from rcac_numeric.identification._prediction_error import answers, leads
 from rcac_numeric.identification._process import scalar_model
 from rcac_numeric.identification._process_evidence import Gate, undecided_direction
-from rcac_numeric.identification._process_search import MANY, ODDS
+from rcac_numeric.identification._process_search import MANY, ODDS, WORSE
 from rcac_numeric.identification._scalar_record import ScalarModel
 
 SHORTEST_TEST = 100  # steps of a test of feedback
@@ -230,22 +231,33 @@ def _require_stable(records: Sequence[JointRecord], names: Names) -> None:
 
 
 def _with_effects(record: JointRecord, i: int, names: Names) -> tuple[JointSearch, list[str]]:
-    """The models of one output over the inputs without which the BIC is larger by the odds."""
+    """The models of one output over the inputs without which the BIC is larger by the odds.
+
+    Where an effect is small the models without it are searched as those with it.
+    """
     inputs, words = list(range(len(record.u))), list[str]()
+    search: JointSearch | None = None
     while inputs:
         with np.errstate(all="ignore"):
-            search = JointSearch(record, inputs)
+            search = search or JointSearch(record, inputs)
             if not search.fits:
                 break
             effects = {j: effect_of(search, search.fits[0], j) for j in inputs}
-        weakest = min(inputs, key=lambda j: effects[j])
+            weakest = min(inputs, key=lambda j: effects[j])
+            others = [j for j in inputs if j != weakest]
+            without: JointSearch | None = None
+            if others and effects[weakest] < WORSE:
+                without = JointSearch(record, others)
+                if without.fits:
+                    difference = without.fits[0].bic - search.fits[0].bic
+                    effects[weakest] = min(effects[weakest], difference)
         if effects[weakest] > ODDS:
             return search, words
         words.append(
             f"the entry from {names.u(weakest)} to {names.y(i)} is 0: without it the BIC is larger "
             f"by {effects[weakest]:.3g} only, less than {ODDS:.3g}"
         )
-        inputs.remove(weakest)
+        inputs, search = others, without
     raise UndecidedError(
         f"the record shows no effect of u on {names.y(i)}: "
         + ("; ".join(words) or "no model could be fitted")
@@ -367,6 +379,7 @@ def identify_process_matrix(
         for i, (one, fit) in enumerate(zip(search.searches, search.best, strict=True)):
             gates += effect_gates(one, fit, i, search.names)
             gates += gain_gates(one, fit, i, search.names)
+            gates += stability_gates(one, fit, i, search.names)
         return process_matrix(search, search.best, tuple(gates), period)
 
 

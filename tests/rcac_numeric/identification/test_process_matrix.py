@@ -14,7 +14,7 @@ from rcac_numeric.identification import identify_process_matrix
 from rcac_numeric.identification._box_jenkins import NoiseModel
 from rcac_numeric.identification._joint_fits import Channel, JointStart, _JointErrors
 from rcac_numeric.identification._joint_records import _smoothed, inputs_of, joint_record
-from rcac_numeric.identification._joint_stability import LIMIT, unstable_root
+from rcac_numeric.identification._joint_stability import LIMIT, largest_root, unstable_root
 
 
 def binary(rng, steps, hold):
@@ -201,6 +201,50 @@ def test_loops_of_stable_and_integrating_plants_have_no_unstable_root(pole):
         record = joint_record(inputs_of(u, (0,)), y[:, 0], "y")
         found += unstable_root(record, LIMIT) is not None
     assert found <= binom.isf(1e-3, 40, 0.05)
+
+
+@pytest.mark.costly
+def test_a_pole_near_1_needs_a_record_that_says_it_is_not_outside():
+    """Loops with gaps and noise larger than the dither: refused, a failed gate, or integrating."""
+    rows = {}
+    for pole in (1.0, 1.03):
+        rng = np.random.default_rng(3)
+        u, y, x, noise = np.zeros(900), np.zeros(900), 0.0, 0.2 if pole == 1.0 else 3.0
+        dither = binary(rng, 900, 4)
+        for k in range(900):
+            y[k] = x + noise * rng.standard_normal()
+            u[k] = dither[k] - 0.2 * y[k]
+            x = pole * x + u[k]
+        y[rng.random(900) < 0.1] = np.nan
+        record = joint_record(inputs_of(u[:, None], (0,)), y, "y")
+        modulus, deviation = largest_root(record)
+        assert abs(modulus - pole) < 4 * deviation
+        rows[pole] = u, y
+    model = identify_process_matrix(*rows[1.0])
+    assert np.abs(np.roots(model.entries[0][0].denominator)).max() == pytest.approx(1, abs=0.01)
+    assert "stability of y" in [gate.name for gate in model.gates] and not model.failed
+    try:
+        failed = [gate.name for gate in identify_process_matrix(*rows[1.03]).failed]
+    except UndecidedError as error:
+        assert "unstable" in str(error) or "no effect" in str(error)
+    else:
+        assert "stability of y" in failed
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("has_gaps", [False, True])
+def test_level_jumps_and_spikes_of_a_record_of_several_inputs(has_gaps):
+    """Least squares from y as it is ends at delays of 20 to 80 steps and signs that are wrong."""
+    u, y = two_by_two(6, noise=0.02)
+    y[300:] += [6.0, 0.0]
+    y[500:] += [0.0, -8.0]
+    rng = np.random.default_rng(1)
+    y[rng.choice(800, 5, replace=False)] += 20.0
+    if has_gaps:
+        y[rng.random(800) < 0.1] = np.nan
+    model = identify_process_matrix(u, y)
+    assert np.abs(np.array(model.delays) - DELAYS).max() <= 1 and not model.failed
+    assert np.abs(model.gain / GAINS - 1).max() < 0.15
 
 
 U, Y = two_by_two(4, 300)
