@@ -1,9 +1,9 @@
-"""Riccati equations with symbols: closed forms in square roots for one input and orders 1 and 2."""
+"""Riccati equations with symbols: closed forms in square roots, orders 1 and 2, one input each."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import sympy
 from sympy import Dummy, Expr, ImmutableMatrix, Matrix, Poly, Symbol
@@ -52,7 +52,7 @@ class RiccatiFormula(ExactValue):
         The data.
     time : {"continuous", "discrete"}
     K, P : sympy.ImmutableMatrix
-        1 x n and n x n, in square roots.
+        m x n and n x n, in square roots.
     conditions : tuple of sympy.Expr
         The radicands. All positive: the stable subspace exists, and no pole is on the
         boundary of stability.
@@ -120,11 +120,14 @@ def riccati_formula(
 ) -> RiccatiFormula:
     r"""Solve a Riccati equation with symbols, of order 1 or 2 and with one input, in square roots.
 
+    Several inputs are solved one by one where each acts on one or two states of its own.
+
     Parameters
     ----------
     A, B, Q, R, N, time, E_1, E_2
-        As for :func:`solve_riccati`; n = 1 or 2, one input, every entry may have symbols, which
-        stand for real numbers.
+        As for :func:`solve_riccati`; every entry may have symbols, which stand for real numbers.
+        n = 1 or 2 and one input, or several equations of that kind that neither A and B nor the
+        weights couple, in any order of the states and inputs.
 
     Raises
     ------
@@ -133,8 +136,9 @@ def riccati_formula(
     NoSolutionError
         If the weight of u in continuous time, or its spectrum at z = -1, is zero for all values.
     InputError
-        If the order is above 2 (from 3 on the coefficients are no square roots; substitute numbers
-        and see :attr:`RiccatiSolution.formula`), there are several inputs, or a shape does not fit.
+        If more than 2 states (from 3 on the coefficients are no square roots; substitute numbers
+        and see :attr:`RiccatiSolution.formula`) or several inputs are coupled, or a shape does not
+        fit.
 
     Notes
     -----
@@ -151,17 +155,88 @@ def riccati_formula(
     ...     time="continuous")
     >>> found.K, found.exceptional
     (Matrix([[-sqrt(q/r), -sqrt(2)*(q/r)**(1/4)]]), (r,))
+    >>> found = riccati_formula([["a", 0], [0, "b"]], [[1, 0], [0, 1]], Q=[[1, 0], [0, "q"]],
+    ...     R=[[1, 0], [0, 1]], time="continuous")
+    >>> found.P[1, 1], found.conditions
+    (b + sqrt(b**2 + q), (a**2 + 1, b**2 + q))
     """
     time = require_time(time)
     weights = read_weights(A, B, Q, R, N, E_1, E_2, symbols=True)
+    blocks = _blocks(weights)
+    for states, inputs in blocks:
+        if len(states) > 2 or len(inputs) > 1:
+            raise InputError(
+                f"the equation couples {len(states)} state(s) and {len(inputs)} input(s); closed "
+                "forms in square roots are for orders 1 and 2 and one input, and for several such "
+                "equations that do not couple. Substitute numbers for the symbols, and see "
+                "solve_riccati and the formula of its result"
+            )
+        if not inputs:
+            raise NotControllableError(
+                f"no input acts on the state {states[0] + 1}, so that (A, B) is controllable for "
+                "no values of the symbols"
+            )
+    if len(blocks) == 1:
+        return _of_one_input(weights, time)
+    solutions = [_of_one_input(_part(weights, *block), time) for block in blocks if block[0]]
+    for states, inputs in blocks:
+        if not states and sympy.cancel(weights[3][inputs[0], inputs[0]]) == 0:
+            raise NoSolutionError(
+                f"the weight of the input {inputs[0] + 1}, which moves no state, is zero for all "
+                "values, so that no gain is the best"
+            )
+    n, m = weights[1].shape
+    K, P = sympy.zeros(m, n), sympy.zeros(n, n)
+    for (states, inputs), solution in zip([b for b in blocks if b[0]], solutions, strict=True):
+        for i, row in enumerate(states):
+            K[inputs[0], row] = solution.K[0, i]
+            for j, column in enumerate(states):
+                P[row, column] = solution.P[i, j]
+    idle = [weights[3][inputs[0], inputs[0]] for states, inputs in blocks if not states]
+    factors = [factor for solution in solutions for factor in solution.exceptional]
+    exceptional = exceptional_factors([*factors, *(r for r in idle if r.free_symbols)])
+    conditions = tuple(dict.fromkeys(c for solution in solutions for c in solution.conditions))
+    left = [solution.certificate.residual for solution in solutions]
+    certificate = certificate_of(IDENTITY, left, "Riccati formula")
+    return RiccatiFormula(
+        *weights, time, ImmutableMatrix(K), ImmutableMatrix(P), conditions, exceptional, certificate
+    )
+
+
+Block: TypeAlias = tuple[list[int], list[int]]
+"""States and inputs that the data couple with each other, and with no others."""
+
+
+def _blocks(weights: Weights) -> list[Block]:
+    """Return the connected parts of states and inputs, by their first state or input."""
+    A, B, Q, R, N = weights
+    n, m = B.shape
+    coupled: list[set[int]] = [{k} for k in range(n + m)]  # the inputs after the states
+    pairs = [(i, j) for i in range(n) for j in range(n) if A[i, j] != 0 or Q[i, j] != 0]
+    pairs += [(i, n + j) for i in range(n) for j in range(m) if B[i, j] != 0 or N[i, j] != 0]
+    pairs += [(n + i, n + j) for i in range(m) for j in range(m) if R[i, j] != 0]
+    for one, other in pairs:
+        if coupled[one] is not coupled[other]:
+            joined = coupled[one] | coupled[other]
+            for k in joined:
+                coupled[k] = joined
+    parts = [sorted(part) for part in {id(part): part for part in coupled}.values()]
+    return [([k for k in part if k < n], [k - n for k in part if k >= n]) for part in parts]
+
+
+def _part(weights: Weights, states: list[int], inputs: list[int]) -> Weights:
+    """Return the data of one block."""
+    A, B, Q, R, N = (ImmutableMatrix(part) for part in weights)
+    return (
+        A.extract(states, states), B.extract(states, inputs), Q.extract(states, states),
+        R.extract(inputs, inputs), N.extract(states, inputs),
+    )  # fmt: skip
+
+
+def _of_one_input(weights: Weights, time: Time) -> RiccatiFormula:
+    """Solve the equation of one input and of order 1 or 2."""
     a, b = weights[:2]
     n = int(a.rows)
-    if n > 2 or b.cols != 1:
-        raise InputError(
-            f"the equation has order {n} and {b.cols} input(s); closed forms in square roots are "
-            "for orders 1 and 2 and one input. Substitute numbers for the symbols, and see "
-            "solve_riccati and the formula of its result"
-        )
     if determinant(_kalman(a, b)) == 0:
         raise NotControllableError("(A, B) is controllable for no values of the symbols")
     plane = _half_plane(weights, time)
