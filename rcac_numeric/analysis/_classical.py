@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import compensator_theory as exact
 from compensator_theory import figures
+from compensator_theory.errors import InputError
 from rcac_numeric.analysis._boundaries import (
     StabilityBoundary,
     delay_boundary,
@@ -18,11 +20,11 @@ from rcac_numeric.analysis._boundaries import (
 from rcac_numeric.analysis._closed_loop import OTHER_SIGN, ClosedLoop
 from rcac_numeric.analysis._disk import DiskMargin, disk_margin_of
 from rcac_numeric.analysis._loop_analysis import attempted
-from rcac_numeric.analysis._opened_loop import OpenedLoop, broken_loop
+from rcac_numeric.analysis._opened_loop import OpenedLoop, broken_loop, read_beside
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import notebook_of
 from rcac_numeric.arrays._values import Result
-from rcac_numeric.plants._foreign import agreed_times
+from rcac_numeric.plants._foreign import agreed_times, plant_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +190,8 @@ def stability_margins(
     plant : Run, ClosedLoop, Plant, or transfer function
         Of a run it is the loop of its last controller. A text, an expression of SymPy, a system of
         python-control or SciPy, or whatever else `compensator_theory.transfer_function` reads, is
-        the scalar plant G in discrete time, alone the loop itself.
+        the scalar plant G in discrete time, alone the loop itself. A text or a transfer function
+        in s, with a dead time or without, is sampled with a hold where `sample_time` is given.
         (`compensator_theory.stability_margins` has the margins of a loop in s.)
     compensator : Compensator, or transfer function, optional
         G_c, 1 by default; none beside a run or a closed loop, which has its own.
@@ -200,7 +203,7 @@ def stability_margins(
     at : {"u", "y"}, channel : int
         Where the loop of a `Plant` is opened; its other channels stay closed.
     sample_time : float, optional
-        In seconds; taken from the system, plant or compensator that has one.
+        In seconds; taken from the system, plant or compensator that has one. A plant in s needs it.
     disk : bool
         Whether the disk margin is found too.
 
@@ -230,7 +233,15 @@ def stability_margins(
     >>> margins = stability_margins("1/(q - 2)", "5/(2*(q + 1))", feedback=-1)  # the same loop
     >>> round(margins.gain_up.value, 9)
     1.2
+    >>> margins = stability_margins("2*exp(-3*s)/(10*s + 1)", feedback=-1, sample_time=0.5)
+    >>> round(margins.gain_up.value, 3)
+    2.735
     """
+    if _is_to_be_sampled(plant, sample_time, variable):
+        plant = plant_of(plant, sample_time=sample_time, variable=variable)
+        compensator, variable = 1 if compensator is None else compensator, None
+        if isinstance(compensator, str | int | float):
+            compensator = read_beside(compensator)
     opened = broken_loop(
         plant, compensator, at=at, channel=channel, feedback=feedback, variable=variable
     )
@@ -256,6 +267,23 @@ def stability_margins(
         phase_crossovers=phases,
         sample_time=None if sample_time is None else float(sample_time),
     )
+
+
+def _is_to_be_sampled(plant: Any, sample_time: float | None, variable: str | None) -> bool:
+    """Whether a plant is a text or a transfer function in s; one with a dead time needs a time."""
+    if not isinstance(plant, str | exact.TransferFunction | exact.DelayedTransferFunction):
+        return False
+    try:
+        G = exact.transfer_function(plant, variable)
+    except InputError:  # the reader of loops refuses it with its own reason
+        return False
+    if sample_time is None and isinstance(G, exact.DelayedTransferFunction):
+        raise InputError(
+            "the loop has a dead time and is in continuous time; give the sample time of a hold, "
+            "as in stability_margins(G, feedback=-1, sample_time=0.1), or take "
+            "compensator_theory.stability_margins, which answers it exactly."
+        )
+    return sample_time is not None and G.time == "continuous"
 
 
 def _at(boundary: StabilityBoundary) -> str:

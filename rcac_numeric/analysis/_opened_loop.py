@@ -238,7 +238,7 @@ def _in_series(plant: Any, compensator: Any, sign: int, variable: str | None) ->
         agreed_sign(compensator, sign)
     A_1, B_1, C_1, D_1 = _matrices(plant, variable)
     if not (is_foreign(compensator) or isinstance(compensator, exact.TransferFunction)):
-        compensator = _beside(compensator)
+        compensator = read_beside(compensator)
     A_2, B_2, C_2, D_2 = _matrices(compensator)
     A = np.block([[A_2, np.zeros((len(A_2), len(A_1)))], [B_1 @ C_2, A_1]])
     return A, np.vstack([B_2, B_1 @ D_2]), np.hstack([D_1 @ C_2, C_1]), D_1 @ D_2
@@ -255,7 +255,7 @@ def is_continuous(system: Any, variable: str | None = None) -> bool:
     return hasattr(system, "dt") and system.dt is None and is_foreign(system)  # of SciPy
 
 
-def _beside(compensator: Any) -> exact.TransferFunction:
+def read_beside(compensator: Any) -> exact.TransferFunction:
     """Convert a compensator to the time of a system of another package."""
     try:
         return transfer_function(compensator)

@@ -89,7 +89,7 @@ def test_gains_place_the_eigenvalues(plant, data):
 
 @given(st.integers(1, 3).flatmap(minimal_mimo_plants), st.data())
 def test_gains_of_several_signals(plant, data):
-    A, B, C = plant
+    A, B, C = plant.A, plant.B, plant.C
     roots = [ct.polynomial_from_roots(data.draw(spectra(A.rows)), "s") for _ in range(2)]
     K, F = ct.regulator_gain(A, B, roots[0]), ct.observer_gain(A, C, roots[1])
     assert characteristic(A + B * K) == roots[0]

@@ -230,3 +230,29 @@ def test_a_plant_and_a_compensator_of_the_numeric_half(arguments, options):
 def test_a_loop_that_is_no_loop_of_the_numeric_half(arguments, options, words):
     with pytest.raises(InputError, match=words):
         rcac.stability_margins(*arguments, **options)
+
+
+@pytest.mark.parametrize("compensator", [None, "1/2", "(z - 9/10)/(z - 1)", 0.5])
+@pytest.mark.parametrize("plant", ["2*exp(-3*s)/(10*s + 1)", "2/(10*s + 1)", "exp(-7/4*s)/s"])
+def test_a_plant_in_s_is_sampled_with_a_hold(plant, compensator):
+    """The exact margins of the exactly sampled plant, its exponentials as numbers."""
+    mine = rcac.stability_margins(plant, compensator, feedback=-1, sample_time=0.5, disk=False)
+    sampled = exact.sampling.zero_order_hold(plant, "1/2")
+    given = {} if compensator is None else {"compensator": compensator}
+    if given and not isinstance(compensator, str):
+        given = {"compensator": str(compensator)}
+    theirs = exact.stability_margins(sampled, **given, feedback=-1)
+    assert mine.is_stable == theirs.is_stable
+    for name in ("gain_up", "gain_down", "phase_lag", "phase_lead"):
+        one, other = getattr(mine, name), getattr(theirs, name)
+        assert (one is None) == (other is None)
+        if one is not None:
+            expected = float(other.value)
+            assert one.value == pytest.approx(expected, rel=1e-6) or expected == float("inf")
+
+
+def test_a_dead_time_without_a_sample_time_is_refused():
+    with pytest.raises(InputError, match="sample_time"):
+        rcac.stability_margins("exp(-s)/s", feedback=-1)
+    with pytest.raises(InputError, match="continuous"):
+        rcac.stability_margins("exp(-s)/s", "1/(s + 1)", feedback=-1, sample_time=0.1)
