@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, fraction, latex, total
-from compensator_theory.matrices._certificates import Certificate
+from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.polynomials._budget import ask, integer
 from compensator_theory.polynomials._carrying import carrying
+from compensator_theory.polynomials._complex_polynomials import over_gaussian_rationals
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import (
@@ -154,7 +156,8 @@ def partial_fractions(
     ----------
     G : transfer function
         Anything :func:`transfer_function` reads. Factors that numerator and denominator share are
-        cancelled first: they have no term.
+        cancelled first: they have no term. A text or an expression may have complex coefficients
+        with rational parts.
     variable : str or Symbol, optional
         Default: evident.
 
@@ -168,10 +171,23 @@ def partial_fractions(
     >>> from compensator_theory import partial_fractions
     >>> print(partial_fractions("s**3/((s - 1)*(s**2 + 1))"))
     1 + (1/2)/(s - 1) + (s/2 - 1/2)/(s**2 + 1)
+    >>> print(partial_fractions("1/((s + 1 - 2*I)*(s + 3))"))
+    (-1/4 - I/4)/(s + 3) + (1/4 + I/4)/(s + 1 - 2*I)
     """
+    if (sides := over_gaussian_rationals(G, variable)) is not None:
+        return _complex_fractions(*sides)
     G = transfer_function(G, variable)
     reduced = G.reduced()
     top, bottom = over_coefficient_field(reduced.numerator, reduced.denominator)
+    whole, digits = _expanded(top, bottom)
+    terms = [PartialFraction(canonical(N), canonical(p), power) for N, p, power in digits]
+    return PartialFractions(
+        canonical(whole), tuple(terms), _certificate(G, canonical(whole), terms)
+    )
+
+
+def _expanded(top: Poly, bottom: Poly) -> tuple[Poly, list[tuple[Poly, Poly, int]]]:
+    """Return the polynomial and the fractions N/p**power of a reduced quotient over a field."""
     whole, rest = top.div(bottom)
     terms = []
     factors = sorted(bottom.factor_list()[1], key=lambda item: _by_degree(item[0]))
@@ -185,13 +201,24 @@ def partial_fractions(
             value, digit = value.div(p)
             digits.append(digit)
         terms += [
-            PartialFraction(canonical(digit), canonical(p), multiplicity - j)
+            (digit, p, multiplicity - j)
             for j, digit in reversed(list(enumerate(digits)))
             if not digit.is_zero
         ]
-    return PartialFractions(
-        canonical(whole), tuple(terms), _certificate(G, canonical(whole), terms)
-    )
+    return whole, terms
+
+
+def _complex_fractions(top: Poly, bottom: Poly) -> PartialFractions:
+    """Expand a quotient with complex coefficients over the field of their rational parts."""
+    common = top.gcd(bottom)
+    N, D = top.exquo(common), bottom.exquo(common)
+    whole, digits = _expanded(N, D)
+    back = whole * D
+    for numerator, factor, power in digits:
+        back += numerator * D.exquo(factor**power)
+    left = [sympy.expand(c) for c in (back - N).all_coeffs()]
+    certificate = certificate_of("the sum over one denominator = N/D", [left], "expansion")
+    return PartialFractions(whole, tuple(PartialFraction(*digit) for digit in digits), certificate)
 
 
 def _certificate(G: TransferFunction, whole: Poly, terms: list[PartialFraction]) -> Certificate:

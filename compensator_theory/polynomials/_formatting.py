@@ -36,7 +36,10 @@ def require_real(poly: Poly) -> None:
     """Refuse coefficients with the imaginary unit, whatever SymPy's domain for them is."""
     if any(value.has(sympy.I) for value in poly.all_coeffs()):
         raise InputError(
-            f"{quoted(poly)} has complex coefficients; complex roots must come in conjugate pairs"
+            f"{quoted(poly)} has complex coefficients, which certified_roots, count_roots, "
+            "decide_stability, stability_conditions and partial_fractions read; others need real "
+            "ones: write a rotating frame by its two real axes, a + jb as [[a, -b], [b, a]]. "
+            "Complex roots of a real polynomial come in conjugate pairs"
         )
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TypeVar
 
 import flint
-from sympy import Poly, Symbol
+from sympy import QQ, QQ_I, Expr, Poly, Symbol
 
 from compensator_theory._latex import displayed, words
 from compensator_theory.errors import InputError
@@ -18,6 +19,7 @@ from compensator_theory.polynomials._ball_precision import (
 )
 from compensator_theory.polynomials._budget import quoted
 from compensator_theory.polynomials._carrying import refusing
+from compensator_theory.polynomials._complex_polynomials import complex_parts, joined
 from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
@@ -69,14 +71,14 @@ class Root(ExactValue):
 
 @refusing
 def certified_roots(poly: PolynomialLike, variable: str | Symbol | None = None) -> tuple[Root, ...]:
-    r"""Isolate the roots of a rational polynomial in certified disks.
+    r"""Isolate the roots of a polynomial with rational coefficients in certified disks.
 
     .. math:: |\lambda_i - \mathrm{value}_i| \le \mathrm{radius}_i
 
     Parameters
     ----------
     poly : polynomial
-        Rational coefficients, not zero.
+        Rational coefficients, or complex ones with rational parts, not zero.
     variable : str or Symbol, optional
         Default: evident; a list of coefficients shows none.
 
@@ -96,11 +98,59 @@ def certified_roots(poly: PolynomialLike, variable: str | Symbol | None = None) 
     >>> from compensator_theory import certified_roots, polynomial
     >>> [(r.value, r.multiplicity) for r in certified_roots(polynomial("s**2*(s**2 + 1)"))]
     [(0j, 2), (1j, 1), (-1j, 1)]
+    >>> print(*certified_roots("s**2 + (2 - 3*I)*s - 6*I"))
+    -2 0+3j
     """
+    if (parts := complex_parts(poly, variable)) is not None:
+        return _complex_roots(parts)
     source = polynomial(poly, variable)
     with ball_precision(64):
         rounded = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(source)]
     return tuple(sorted(rounded, key=_order))
+
+
+def _complex_roots(parts: tuple[Poly, Poly]) -> tuple[Root, ...]:
+    """Isolate the roots of a + jb; real ones are those of the common factor of a and b."""
+    if not all(map(is_rational, parts)):
+        raise InputError(
+            "the roots of a polynomial with complex coefficients are certified for rational "
+            "parts; substitute numbers for its symbols"
+        )
+    factors = []
+    for factor, multiplicity in joined(parts).sqf_list()[1]:
+        sides = complex_parts(factor.monic()) or (factor.monic().set_domain(QQ), None)
+        common = sides[0] if sides[1] is None else sides[0].gcd(sides[1])
+        rest = factor.monic().exquo(common.set_domain(QQ_I))
+        factors.append((canonical(common), rest, int(multiplicity)))
+
+    def attempt(bits: int) -> list[tuple[flint.acb, int]] | None:
+        balls = [
+            (ball, multiplicity)
+            for common, _, multiplicity in factors if common.degree() > 0
+            for ball, _ in root_balls(common, bits)
+        ]  # fmt: skip
+        for _, rest, multiplicity in factors:
+            if rest.degree() < 1:
+                continue
+            coefficients = [c.as_real_imag() for c in reversed(rest.all_coeffs())]
+            poly = flint.acb_poly([flint.acb(*map(_fraction, c)) for c in coefficients])
+            try:
+                isolated = poly.roots(tol=flint.arb(2) ** (-bits // 2))
+            except ValueError:  # too few bits
+                return None
+            if any(ball.imag.contains(0) for ball in isolated):
+                return None  # none of them is real
+            balls += [(ball, multiplicity) for ball in isolated]
+        apart = not any(a[0].overlaps(b[0]) for a, b in combinations(balls, 2))
+        return balls if apart else None
+
+    found = at_growing_precision(attempt, 128, "the roots")
+    with ball_precision(128):
+        return tuple(sorted((_rounded(*root) for root in found), key=_order))
+
+
+def _fraction(number: Expr) -> flint.fmpq:
+    return flint.fmpq(int(number.p), int(number.q))
 
 
 def real_multiplicities(poly: Poly) -> list[tuple[int, int]]:

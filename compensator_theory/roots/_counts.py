@@ -17,6 +17,7 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._carrying import carried_by, refusing
+from compensator_theory.polynomials._complex_polynomials import complex_parts, norm_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._reading import (
@@ -191,6 +192,9 @@ def count_roots(
     if (found := polynomial_with_exponentials(poly, variable, time)) is not None:
         written, domain, numbers = found
         return numbers.count(written, domain)
+    if (parts := complex_parts(poly, variable, time)) is not None:
+        both = _count_rational(norm_of(parts), None, time)
+        return RootCount(both.stable // 2, both.boundary // 2, both.unstable // 2)
     return _count_rational(poly, variable, time)
 
 

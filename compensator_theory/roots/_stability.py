@@ -15,6 +15,7 @@ from compensator_theory.polynomials._carrying import (
     polynomial_with_functions,
     refusing,
 )
+from compensator_theory.polynomials._complex_polynomials import complex_parts, joined, norm_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import is_rational
@@ -113,7 +114,9 @@ def decide_stability(
     Parameters
     ----------
     poly : polynomial, or a Realisation or TransferFunction
-        Not zero; of a system its characteristic polynomial, modes that cancel counted. With symbols
+        Not zero; of a system its characteristic polynomial, modes that cancel counted. Exponentials
+        of rational numbers are decided exactly, complex coefficients by the polynomial times its
+        conjugate. With symbols
         the Hurwitz determinants decide, in discrete time the product of the roots or, up to degree
         4, the determinants of the polynomial mapped to the half plane, as far as their signs follow
         from the symbols' assumptions. :func:`polynomial` adds none: a SymPy symbol declared
@@ -163,7 +166,22 @@ def decide_stability(
             [c.subs(dict(numbers.meaning)) for c in p.all_coeffs()], p.gen
         )
         return StabilityDecision(shown, domain, count.stable == p.degree(), None, None, None, ())
+    if (parts := complex_parts(poly, variable, time)) is not None:
+        return _decided_by_norm(parts, time)
     return _decided(poly, variable, time)
+
+
+def _decided_by_norm(parts: tuple[Poly, Poly], time: Time | None) -> StabilityDecision:
+    """Decide for complex coefficients: p times its conjugate is real, with each root twice."""
+    both = _decided(norm_of(parts), None, time)
+    by_coefficients, by_roots = (
+        None if c is None else RootCount(c.stable // 2, c.boundary // 2, c.unstable // 2)
+        for c in (both.counts_by_coefficients, both.counts_by_roots)
+    )
+    return StabilityDecision(
+        joined(parts), both.time, both.by_coefficients, both.by_roots, by_coefficients, by_roots,
+        both.evidence,
+    )  # fmt: skip
 
 
 @refusing

@@ -16,6 +16,7 @@ from compensator_theory.matrices._rational_functions import RationalFunctions, f
 from compensator_theory.matrices._symbolic_matrices import Numerators, over_common_symbols
 from compensator_theory.polynomials._budget import ask, limit_of
 from compensator_theory.polynomials._carrying import carrying
+from compensator_theory.polynomials._complex_polynomials import complex_parts, norm_of
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._variables import is_discrete
@@ -57,7 +58,8 @@ def stability_conditions(
         In s for the open left half plane, in z or q for the open unit disk; symbols stand for real
         numbers. Where the leading coefficient is symbolic, it is taken to be positive, and is the
         first condition; for a negative one pass the negated polynomial, and where it is zero
-        for the remaining polynomial.
+        for the remaining polynomial. Complex coefficients are read, as of a rotating frame: the
+        conditions are those of the polynomial times its conjugate.
     variable : str or Symbol, optional
         Default: evident; a list of coefficients shows none.
 
@@ -92,13 +94,16 @@ def stability_conditions(
     (c, a, a*b - c)
     >>> stability_conditions("z**2 + a*z + b")
     (-a + b + 1, a + b + 1, 1 - b)
+    >>> stability_conditions("s + a + w*I", "s")  # a pole in a frame that rotates with w
+    (a**2 + w**2, a)
     """
     if isinstance(poly, TransferFunction):
         raise InputError(
             f"{poly} is a transfer function; its poles are the roots of G.denominator, and those "
             "of a loop the roots of closed_loop_polynomial(standard_problem(G), N_c, D_c)"
         )
-    p = polynomial(poly, variable)
+    parts = complex_parts(poly, variable)
+    p = polynomial(poly, variable) if parts is None else norm_of(parts)
     if p.is_zero:
         raise InputError("every number is a root of the zero polynomial")
     if sympy.sympify(p.LC()).is_negative:
@@ -129,7 +134,9 @@ def _generic_conditions(
     poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[tuple[Expr, ...], list[Expr]]:
     """Return the conditions for a fixed degree and a positive symbolic leading coefficient."""
-    leading = sympy.sympify(polynomial(poly, variable).LC())
+    parts = complex_parts(poly, variable)
+    p = polynomial(poly, variable) if parts is None else norm_of(parts)
+    leading = sympy.sympify(p.LC())
     return stability_conditions(poly, variable), [leading]
 
 
