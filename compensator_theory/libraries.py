@@ -69,6 +69,96 @@ def require_library(library: str) -> None:
         raise InputError(_missing(library))
 
 
+ELSEWHERE = {
+    "acker": "regulator_gain(A, B, poles), for A + B K",
+    "allmargin": "stability_margins(G, feedback=-1)",
+    "bode": "G.plot('bode')",
+    "bode_plot": "G.plot('bode')",
+    "c2d": "sampling.zero_order_hold(G, h)",
+    "care": "solve_riccati(A, B, Q, R, time='continuous')",
+    "ctrb": "controllability_matrix(A, B)",
+    "damp": "G.poles()",
+    "dare": "solve_riccati(A, B, Q, R, time='discrete')",
+    "dcgain": "G(0), in discrete time G(1)",
+    "dlyap": "solve_stein(A, Q)",
+    "evalfr": "G('2j')",
+    "expm": "transition_matrix(A)",
+    "feedback": "feedback_connection(G, K, feedback=-1)",
+    "forced_response": "time_response(G, '1/s**2')",
+    "gram": "gramians(G)",
+    "hinfnorm": "h_infinity_norm(G)",
+    "impulse": "impulse_response(G)",
+    "initial_response": "transition_matrix(A)",
+    "is_stable": "decide_stability(G)",
+    "isstable": "decide_stability(G)",
+    "jury": "jury_array(p)",
+    "lqr": "solve_riccati(A, B, Q, R, time='continuous').K, for A + B K",
+    "lsim": "time_response(G, '1/s**2')",
+    "lyap": "solve_lyapunov(A, Q)",
+    "margin": "stability_margins(G, feedback=-1)",
+    "minreal": "G.reduced(), of a realisation minimal_realisation(G)",
+    "nyquist": "G.plot('nyquist')",
+    "nyquist_plot": "G.plot('nyquist')",
+    "obsv": "controllability_matrix of the transposes",
+    "pade": "transfer_function('exp(-s)').pade(2)",
+    "place": "regulator_gain(A, B, poles), for A + B K",
+    "pole": "G.poles()",
+    "poles": "G.poles()",
+    "pole_zero_plot": "G.plot('poles')",
+    "pzmap": "G.plot('poles')",
+    "residue": "partial_fractions(G)",
+    "rlocus": "root_locus(G, feedback=-1)",
+    "routh": "routh_array(p)",
+    "sample_system": "sampling.zero_order_hold(G, h)",
+    "ss": "realisation((A, B, C, D), 's')",
+    "ss2tf": "realisation((A, B, C, D), 's').transfer_function()",
+    "stability_margin": "stability_margins(G, feedback=-1)",
+    "step": "step_response(G)",
+    "step_info": "step_response(G).overshoot(), .settling_time() and .rise_time()",
+    "stepinfo": "step_response(G).overshoot(), .settling_time() and .rise_time()",
+    "tf": "transfer_function('1/(s + 1)') or transfer_function(([1], [1, 1]), 's')",
+    "tf2ss": "realisation(G)",
+    "tzero": "transmission_zeros(G)",
+    "zero": "G.zeros()",
+    "zeros": "G.zeros()",
+    "zpk": "transfer_function(zeros=[], poles=[-1], gain=1, variable='s')",
+}
+"""Names of MATLAB, python-control and SymPy, and what is typed here for the same."""
+
+
+def absent_attribute(owner: object, name: str) -> AttributeError:
+    """Return the AttributeError of a system, with what is typed here for another program's name.
+
+    Examples
+    --------
+    >>> import compensator_theory
+    >>> compensator_theory.transfer_function("1/(s + 1)").dcgain()
+    Traceback (most recent call last):
+        ...
+    AttributeError: 'TransferFunction' object has no attribute 'dcgain'; write G(0), in discrete
+    time G(1)
+    """
+    typed = ELSEWHERE.get(name)
+    if typed is None and name in _FUNCTIONS_OF_SYSTEMS:
+        typed = _FUNCTIONS_OF_SYSTEMS[name]
+    hint = "" if typed is None else f"; write {typed}"
+    return AttributeError(f"{type(owner).__name__!r} object has no attribute {name!r}{hint}")
+
+
+_FUNCTIONS_OF_SYSTEMS = {
+    "den": "G.denominator",
+    "feedback_with": "feedback_connection(G, K, feedback=-1)",
+    "impulse_response": "impulse_response(G)",
+    "num": "G.numerator",
+    "root_locus": "root_locus(G, feedback=-1)",
+    "sample": "sampling.zero_order_hold(G, h)",
+    "stability_margins": "stability_margins(G, feedback=-1)",
+    "step_response": "step_response(G)",
+    "time_response": "time_response(G, '1/s**2')",
+}
+"""Functions here that other programs have as methods of a system."""
+
+
 def absent(name: str, *packages: ModuleType) -> AttributeError:
     """Return the AttributeError of a missing name, with the namespace that has it.
 
@@ -81,6 +171,8 @@ def absent(name: str, *packages: ModuleType) -> AttributeError:
     """
     package = None if name.startswith("_") else next(_places(name, packages), None)
     hint = "" if package is None else f"; it is {package}.{name}"
+    if package is None and name in ELSEWHERE:
+        hint = f"; write {ELSEWHERE[name]}"
     return AttributeError(f"module {packages[0].__name__!r} has no attribute {name!r}{hint}")
 
 

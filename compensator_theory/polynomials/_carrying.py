@@ -48,8 +48,12 @@ def carrying(*, real: bool = False) -> Callable[[Callable[P, Result]], Callable[
     """
 
     def decorate(function: Callable[P, Result]) -> Callable[P, Result]:
+        needs_sign = _needs_sign(function)
+
         @wraps(function)
         def carried(*arguments: P.args, **options: P.kwargs) -> Result:
+            if needs_sign and "feedback" not in options:
+                raise _no_sign(function)
             if not has_functions((arguments, options)):
                 return function(*arguments, **options)
             call_arguments: Any = arguments, options
@@ -68,10 +72,34 @@ def carried_by(kind: str) -> Callable[[Callable[P, Result]], Callable[P, Result]
     """Decorate a function that passes functions of symbols to one that carries or refuses them."""
 
     def decorate(function: Callable[P, Result]) -> Callable[P, Result]:
-        function.carries = kind  # type: ignore[attr-defined]
-        return function
+        if not _needs_sign(function):
+            function.carries = kind  # type: ignore[attr-defined]
+            return function
+
+        @wraps(function)
+        def signed(*arguments: P.args, **options: P.kwargs) -> Result:
+            if "feedback" not in options:
+                raise _no_sign(function)
+            return function(*arguments, **options)
+
+        signed.carries = kind  # type: ignore[attr-defined]
+        return signed
 
     return decorate
+
+
+def _needs_sign(function: Callable[..., Any]) -> bool:
+    """Whether a function asks for the sign of feedback, which has no default."""
+    asked = signature(function).parameters.get("feedback")
+    return asked is not None and asked.kind is asked.KEYWORD_ONLY and asked.default is asked.empty
+
+
+def _no_sign(function: Callable[..., Any]) -> TypeError:
+    """The error of a call without the sign: other programs assume -1."""
+    return TypeError(
+        f"{function.__name__}(): the sign is missing; write feedback=-1 for u = -K y (loops "
+        "1 + G K, as in other programs) or feedback=1 for u = K y"
+    )
 
 
 def carry_methods(cls: type, result: type) -> None:
@@ -104,9 +132,12 @@ def refusing(function: Callable[P, Result]) -> Callable[P, Result]:
     """
     names = [*signature(function).parameters]
     place = names.index("step") if "step" in names else len(names)
+    needs_sign = _needs_sign(function)
 
     @wraps(function)
     def refused(*arguments: P.args, **options: P.kwargs) -> Result:
+        if needs_sign and "feedback" not in options:
+            raise _no_sign(function)
         others = {name: value for name, value in options.items() if name != "step"}
         require_no_functions((arguments[:place], arguments[place + 1 :], others))
         return function(*arguments, **options)

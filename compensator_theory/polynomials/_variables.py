@@ -38,7 +38,10 @@ def as_symbol(variable: str | Symbol) -> Symbol:
         return variable
     named = _named(variable) if isinstance(variable, str) else None
     if not isinstance(named, Symbol):
-        pair = "; names go one by one, coefficients as one pair, as in ([1], [1, 2])"
+        pair = (
+            "; coefficients are one pair, before the variable: transfer_function(([1], [1, 2]), "
+            "'s'); of several names each is an argument"
+        )
         hint = pair if isinstance(variable, list | tuple) else ""
         raise InputError(
             f"{repr_of(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"

@@ -99,7 +99,7 @@ class Realisation(System):
     Parameters
     ----------
     A, B, C, D : matrix
-        n x n, n x m, p x n, p x m, read by :func:`exact_number`; D = None means zero.
+        n x n, n x m, p x n, p x m, read by :func:`exact_number`; D = None or 0 means zero.
     variable : str or Symbol
         Variable of the transfer functions; default ``s``. For ``z`` and ``q`` read
         :math:`x(k+1)` for :math:`\dot x`.
@@ -155,7 +155,9 @@ class Realisation(System):
         object.__setattr__(self, "feedback", feedback)
         object.__setattr__(self, "sample_time", period_in(symbol, sample_time))
         a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
-        d = zero_matrix(c.rows, b.cols) if D is None else exact_matrix(D, "D")
+        # MATLAB's habit: the number 0 for the zero matrix.
+        is_zero = type(D) is int and D == 0
+        d = zero_matrix(c.rows, b.cols) if D is None or is_zero else exact_matrix(D, "D")
         n, m, p = a.rows, b.cols, c.rows
         symbols = {symbol}
         for name, matrix, needed in zip(

@@ -9,6 +9,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import absent_attribute
 from compensator_theory.polynomials._budget import quoted, repr_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._substitution import Substitutions, with_values
@@ -33,6 +34,12 @@ class System(ExactValue):
         @property
         def sample_time(self) -> Rational | None:
             """In seconds; None where it is not known, and in continuous time."""
+
+    else:  # hidden from type checkers, to which it would give every attribute
+
+        def __getattr__(self, name: str) -> Any:
+            """Refuse an attribute that does not exist, with what is typed for it."""
+            raise absent_attribute(self, name)
 
     def __bool__(self) -> bool:
         """True, as of any object that one constructs."""
