@@ -45,14 +45,16 @@ class Judgement(ExactValue):
     draws: int = 0
 
     def __str__(self) -> str:
-        place = f" {location(self.parameters, self.case)}" if self.case else ""
+        place = location(self.parameters, self.case)
         if self.is_right:
-            return f"Right: at{place} {self.reason}." if place else f"Right: {self.reason}."
-        return f"Wrong at{place}: {self.reason}." if place else f"Wrong: {self.reason}."
+            verdict = f"Right, by the counterexample {place}" if place else "Right"
+        else:
+            verdict = f"Wrong at {place}" if place else "Wrong"
+        return f"{verdict}: {self.reason}."
 
     def _repr_markdown_(self) -> str:
-        verdict, _, rest = str(self).partition(" ")
-        return f"**{verdict.rstrip(':')}**{':' if verdict.endswith(':') else ''} {_escaped(rest)}"
+        verdict = "Right" if self.is_right else "Wrong"
+        return f"**{verdict}**{_escaped(str(self).removeprefix(verdict))}"
 
     def _repr_latex_(self) -> None:
         """None: a notebook takes the sentence."""
@@ -173,7 +175,8 @@ def _judge_claim(claim: _Claim, answer: Any, draws: int, seed: int) -> Judgement
             f"{', '.join(claim.parameters)}; not {answer!r}"
         )
     is_right = (str(answer) == "True") is claim.is_true
-    case, number = _least_case(claim, answer, draws, seed)
+    most = draws if claim.is_true else 10 * draws  # a counterexample ends the search
+    case, number = _least_case(claim, answer, most, seed)
     if case is None:
         truth = "holds" if claim.is_true else "does not hold in general"
         reason = f"the statement {truth}; {number} drawn cases have no counterexample"

@@ -91,6 +91,8 @@ def _systems() -> tuple[Exercise, ...]:
         A, B, C = map(ImmutableMatrix, (A, B, C))
         system = Realisation(A, B, C, variable="s")
         visible = system.transfer_function().reduced()
+        if visible.numerator.is_zero:
+            return None
         if _is_stable(visible.denominator) and not _is_stable(A.charpoly(_S)):
             return (
                 f"the transfer function {written(visible)} is stable, and the eigenvalues of A, "
@@ -114,7 +116,7 @@ def _systems() -> tuple[Exercise, ...]:
             subject="final value",
         ),
         claim_exercise(
-            "If the transfer function of (A, B, C) is stable, then A is stable.",
+            "If the transfer function of (A, B, C) is stable and not zero, then A is stable.",
             two,
             objection,
             is_true=False,

@@ -157,7 +157,7 @@ def claim_exercise(
     >>> print(judge(exercise, ("s**3 + s**2 + s + 1",)))
     Wrong: p = s**3 + s**2 + s + 1 is no counterexample; the statement holds there.
     >>> print(judge(exercise, ("s**3 + s**2 + s + 2",)))
-    Right: at p = s**3 + s**2 + s + 2 it has 2 unstable roots.
+    Right, by the counterexample p = s**3 + s**2 + s + 2: it has 2 unstable roots.
     """
 
     def fault(answer: Any, *case: Any) -> str | None:
