@@ -62,6 +62,7 @@ def main() -> int:
 def without_python(browser: Any, site: str) -> Iterator[str]:
     """Whether a page says how to add Python, where it was built without."""
     page = new_page(browser, site)
+    page.set_default_timeout(PATIENCE)
     page.route("**/lite/**", lambda route: route.fulfill(status=404))
     for name, place in (
         (GUIDE, ".try-it-offer"),
@@ -70,7 +71,7 @@ def without_python(browser: Any, site: str) -> Iterator[str]:
         page.goto(f"{site}/{name}.html")
         page.locator(f"{place} :is(button, a)").first.click()
         said = page.locator(f"{place} [role=status]").first
-        said.filter(has_text="python -m docs.browser").wait_for(timeout=PATIENCE)
+        said.filter(has_text="python -m docs.browser").wait_for()
         if page.locator("form.try").count():
             yield f"{name} opens an example without Python"
     page.close()
@@ -83,7 +84,7 @@ def guide(browser: Any, site: str) -> Iterator[str]:
         block = examples_of_page((ROOT / "docs" / f"{GUIDE}.md").read_text("utf-8"))[0]
         form, seconds = run_first(page)
         print(f"{GUIDE}: first answer after {seconds:.1f} s")
-        page.wait_for_function(IDLE, arg=form.element_handle(), timeout=PATIENCE)
+        page.wait_for_function(IDLE, arg=form.element_handle())
         yield from differences(block, form.evaluate(ANSWERS))
         yield from (f"not set: {text}" for text in page.locator(".not-set").all_inner_texts())
         if not page.locator("form.try math").count():
@@ -95,16 +96,16 @@ def guide(browser: Any, site: str) -> Iterator[str]:
         began = time.monotonic()
         form.locator("button[type=submit]").click()
         error = form.locator(".error")
-        error.wait_for(timeout=PATIENCE)
+        error.wait_for()
         print(f"{GUIDE}: a next answer after {time.monotonic() - began:.2f} s")
         if not re.fullmatch(r"InputError: .* \(line 2\)", error.inner_text()):
             yield f"the error reads {error.inner_text()!r}"
 
         form.locator("textarea").fill("while True: pass")
         form.locator("button[type=submit]").click()
-        form.get_by_text("computing").wait_for(timeout=PATIENCE)
+        form.get_by_text("computing").wait_for()
         form.get_by_text("Stop").click()
-        form.locator(".error", has_text="stopped").wait_for(timeout=PATIENCE)
+        form.locator(".error", has_text="stopped").wait_for()
         yield from wrong
 
 
@@ -113,7 +114,7 @@ def reference(browser: Any, site: str) -> Iterator[str]:
     with watched(browser, site) as (page, wrong):
         page.goto(f"{site}/{REFERENCE}.html")
         form, _ = run_first(page)
-        page.wait_for_function(IDLE, arg=form.element_handle(), timeout=PATIENCE)
+        page.wait_for_function(IDLE, arg=form.element_handle())
         text = getattr(compensator_theory, REFERENCE.rpartition(".")[2]).__doc__
         yield from differences(text, form.evaluate(ANSWERS))
         yield from wrong
@@ -125,7 +126,7 @@ def lecture(browser: Any, site: str, name: str) -> Iterator[str]:
         page.goto(f"{site}/notebooks/{name}.html")
         began = time.monotonic()
         page.click(".try-lecture a")
-        page.locator(".jp-CodeCell").first.wait_for(timeout=PATIENCE)
+        page.locator(".jp-CodeCell").first.wait_for()
         shown = time.monotonic() - began
         for menu, command in (
             ("Edit", "Clear Outputs of All Cells"),
@@ -144,11 +145,18 @@ def lecture(browser: Any, site: str, name: str) -> Iterator[str]:
 def watched(browser: Any, site: str) -> Iterator[tuple[Any, list[str]]]:
     """A page, and what its console and its requests say against it."""
     page = new_page(browser, site)
+    page.set_default_timeout(PATIENCE)
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(f"{page.url}: {error}"))
-    page.on("requestfailed", lambda request: wrong.append(f"{page.url} asks {request.url}"))
+    page.on("request", lambda request: wrong.extend(_elsewhere(request.url, site)))
     yield page, wrong
     page.close()
+
+
+def _elsewhere(address: str, site: str) -> Iterator[str]:
+    """An address that is not the site's; what a page makes of its own has none."""
+    if not address.startswith((site, "data:", "blob:")):
+        yield f"{address} is asked"
 
 
 def run_first(page: Any) -> tuple[Any, float]:
@@ -156,7 +164,7 @@ def run_first(page: Any) -> tuple[Any, float]:
     began = time.monotonic()
     page.locator(".try-it-offer button").first.click()
     form = page.locator("form.try")
-    form.locator(".answers > *").first.wait_for(timeout=PATIENCE)
+    form.locator(".answers > *").first.wait_for()
     return form, time.monotonic() - began
 
 

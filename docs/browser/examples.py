@@ -1,9 +1,15 @@
-"""Examples that run where `compensator_theory` is alone, as in a browser."""
+"""Examples that run where `compensator_theory` is alone, as in a browser.
+
+``python -m docs.browser.examples`` prints them by page, as JSON.
+"""
 
 import ast
+import json
 import re
 import sys
 from collections.abc import Collection, Iterator, Sequence
+from itertools import compress
+from pathlib import Path
 
 INSTALLED = {"compensator_theory", "attr", "attrs", "flint", "hypothesis", "mpmath", "sympy"}
 """Packages that the browser has: the wheels under `exact` in pins.toml, by import name."""
@@ -15,6 +21,7 @@ FENCE = re.compile(
 )
 OPTION = re.compile(r"^:[\w-]+:.*\n?", re.M)  # of a code cell
 
+MADE = ("_build", "reference", "notebooks", "jupyter_execute")  # by the build
 MAGIC = re.compile(r"^[%!].*$", re.M)
 
 
@@ -31,6 +38,25 @@ def source(example: str) -> str:
     if not any(line.startswith(">>> ") for line in lines):
         return example
     return "\n".join(line[4:] for line in lines if line.startswith((">>>", "...")))
+
+
+def pages() -> dict[str, list[str]]:
+    """The examples that run alone, by page, of all pages that are written and have some.
+
+    Examples
+    --------
+    >>> from docs.browser.examples import pages
+    >>> "strategies" in pages()
+    True
+    """
+    docs = Path(__file__).resolve().parents[1]
+    alone = {}
+    for path in sorted(docs.rglob("*.md")):
+        name = path.relative_to(docs).with_suffix("")
+        if name.parts[0] not in MADE:
+            examples = examples_of_page(path.read_text("utf-8"))
+            alone[name.as_posix()] = list(compress(examples, run_alone(examples)))
+    return {name: examples for name, examples in alone.items() if examples}
 
 
 def examples_of_page(text: str) -> list[str]:
@@ -103,3 +129,7 @@ def _new(tree: ast.AST) -> Iterator[str]:
 def _draws(tree: ast.AST) -> bool:
     """Whether a program asks a result for a picture, which needs the numeric half."""
     return any(isinstance(node, ast.Attribute) and node.attr == "plot" for node in ast.walk(tree))
+
+
+if __name__ == "__main__":
+    print(json.dumps(pages()))

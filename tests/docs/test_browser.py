@@ -17,26 +17,19 @@ from packaging.utils import canonicalize_name
 
 from docs.browser import downloads
 from docs.browser.downloads import PINS, PinsError, UnavailableError, distribution
-from docs.browser.examples import INSTALLED, examples_of_page, run_alone
+from docs.browser.examples import INSTALLED, pages, run_alone
 from docs.browser.lite import BROWSER, lock
 from docs.browser.static import try_it
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXACT = dict(map(distribution, PINS["exact"]))
-PAGES = {
-    path.relative_to(ROOT).as_posix(): [
-        example for example, alone in zip(examples, run_alone(examples), strict=True) if alone
-    ]
-    for path in sorted((ROOT / "docs").rglob("*.md"))
-    if not {"_build", "reference"} & set(path.parts)
-    if (examples := examples_of_page(path.read_text("utf-8")))
-}
-PAGES = {name: examples for name, examples in PAGES.items() if examples}
+PAGES = pages()
 
 # An interpreter with the wheels of the browser and no other, which runs the examples that it reads.
 ALONE = f"""
-import sys
+import json, sys
+from benchmarks.exact_doctests import failure_of_page
 INSTALLED = {sorted({*INSTALLED, *(name.replace("-", "_") for name in EXACT)})!r}
 
 class Absent:
@@ -46,35 +39,26 @@ class Absent:
             raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
 
 sys.meta_path.insert(0, Absent())
-import doctest, json
-names = {{"__name__": "__main__"}}
-runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
-for example in json.load(sys.stdin):
-    if ">>> " in example:
-        parsed = doctest.DocTestParser().get_doctest(example, names, "example", None, None)
-        names = parsed.globs
-        assert not runner.run(parsed, clear_globs=False).failed
-    else:
-        exec(compile(example, "<example>", "exec"), names)
+print(failure_of_page(json.load(sys.stdin)))
 """
 
 
 @pytest.mark.costly
 @pytest.mark.parametrize("page", PAGES)
 def test_the_examples_of_a_page_run_where_the_exact_half_is_alone(page):
-    ended = subprocess.run(
+    assert not failure_alone(PAGES[page])
+
+
+def failure_alone(examples):
+    return subprocess.run(
         [sys.executable, "-c", ALONE],
-        input=json.dumps(PAGES[page]), capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert ended.returncode == 0, ended.stdout + ended.stderr
+        input=json.dumps(examples), capture_output=True, text=True, check=True, cwd=ROOT,
+    ).stdout.strip()  # fmt: skip
 
 
 def test_an_interpreter_with_the_exact_half_alone_has_no_numpy():
-    ended = subprocess.run(
-        [sys.executable, "-c", ALONE],
-        input='["import numpy"]', capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert "No module named 'numpy'" in ended.stderr
+    assert failure_alone(["1 + 1", "import numpy"]).endswith("No module named 'numpy'")
+    assert "Expected:" in failure_alone([">>> 1 + 1\n3\n"])
 
 
 @pytest.mark.parametrize(
