@@ -1,7 +1,7 @@
 """Certified sets: ellipsoids of several inputs, gains beside theta, peaks, dependent regressors."""
 
 from hypothesis import strategies as st
-from sympy import Matrix, Poly, Rational, Symbol, diag, eye, zeros
+from sympy import I, Matrix, Poly, Rational, Symbol, diag, expand, eye, zeros
 
 from compensator_theory import TransferFunction, decide_simultaneous_stabilisability
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
@@ -139,3 +139,30 @@ def two_unstable_plants_of_first_order(
     plants = (TransferFunction(Poly(k, s), Poly(s, s) - a) for k, a in zip(gain, pole, strict=True))
     decision = decide_simultaneous_stabilisability(*plants, feedback=-1)
     return decision.is_stabilisable == bool(gain[0] * gain[1] > 0)
+
+
+signs = st.tuples(st.integers(-2, 3), st.integers(-2, 3))
+
+
+@for_all(X=matrices(2, 2), Y=matrices(2, 2), sizes=signs)
+def inertia_shows_in_the_coefficients(X: Matrix, Y: Matrix, sizes: tuple[int, int]) -> bool:
+    """E* diag(d) E is semidefinite for an invertible complex E if and only if no d is negative, and
+    so if and only if no coefficient of det(xI + M) is.
+    """
+    E = Matrix(X) + 99 * eye(2) + I * Matrix(Y)
+    M = (E.H * diag(*sizes) * E).applyfunc(expand)
+    trace, minor = expand(M.trace()), expand(M.det())
+    return bool(trace >= 0 and minor >= 0) == (min(sizes) >= 0)
+
+
+@for_all(X=matrices(2, 2), Y=matrices(2, 2), sizes=signs)
+def cayley_transform_exchanges_the_properties(X: Matrix, Y: Matrix, sizes: tuple[int, int]) -> bool:
+    """G = diag(d) + K with K* = -K has G + G* semidefinite if and only if no d is negative, and so
+    if and only if I - W*W is for W = (G - I)(G + I)^-1.
+    """
+    K = Matrix(X) - Matrix(X).T + I * (Matrix(Y) + Matrix(Y).T)
+    G = diag(*sizes) + K + I * 99 * diag(1, -2)  # det(G + I) is not 0
+    W = (G - eye(2)) * (G + eye(2)).inv()
+    M = (eye(2) - W.H * W).applyfunc(lambda e: expand(e, complex=True))
+    trace, minor = (expand(e, complex=True) for e in (M.trace(), M.det()))
+    return bool(trace >= 0 and minor >= 0) == (min(sizes) >= 0)

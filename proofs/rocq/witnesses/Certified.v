@@ -1,10 +1,11 @@
 (* Witnesses of the theorems on gains that move beside theta, on bounds of peaks, on one compensator for two
-   plants and on all compensators of a plant with several signals. *)
+   plants, on all compensators of a plant with several signals and on semidefinite matrices. *)
 From mathcomp Require Import all_ssreflect all_algebra ring.
-From mathcomp Require Import all_real_closed.
+From mathcomp Require Import all_real_closed all_field.
 From Compensators.foundations Require Import Vocabulary PositiveDefinite SmallSystems.
 From Compensators.theorems Require ForwardConvergence SmallGain MovingGains PeakBounds YoulaKucera.
 From Compensators.theorems Require StableProperFunctions SimultaneousStabilisation StabilisingMatrices.
+From Compensators.theorems Require Lyapunov SemidefiniteMatrices.
 From Compensators.theorems Require Import HighAuthorityPoles.
 From Compensators.witnesses Require Import Satisfiable Placement Circle Stability.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
@@ -165,3 +166,9 @@ Proof.
 by move=> absurd; apply: (absurd F _ (all_polynomials _) 1%N 1%N 1%N 0 0 0 0 0 _ _ 0);
   rewrite monic_neq0 ?char_poly_monic.
 Qed.
+
+Lemma semidefinite_by_coefficients : ltac:(can_be_met (@SemidefiniteMatrices.semidefinite_by_coefficients)).
+Proof. by move=> absurd; apply: (absurd [numClosedFieldType of algC] 1%N 0); apply: Lyapunov.adjoint_0. Qed.
+
+Lemma positive_real_by_bounded_real : ltac:(can_be_met (@SemidefiniteMatrices.positive_real_by_bounded_real)).
+Proof. by move=> absurd; apply: (absurd [numClosedFieldType of algC] 1%N 0); rewrite add0r unitmx1. Qed.
