@@ -77,6 +77,7 @@ ELSEWHERE = {
     "c2d": "sampling.zero_order_hold(G, h)",
     "care": "solve_riccati(A, B, Q, R, time='continuous')",
     "ctrb": "controllability_matrix(A, B)",
+    "d2c": "sampling.inverse_zero_order_hold(G, h)",
     "damp": "G.poles()",
     "dare": "solve_riccati(A, B, Q, R, time='discrete')",
     "dcgain": "G(0), in discrete time G(1)",

@@ -97,10 +97,10 @@ class PartialFraction(ExactValue):
     power: int
 
     def __str__(self) -> str:
-        bottom = f"({format_polynomial(self.factor)})"
-        return f"({format_polynomial(self.numerator)})/{bottom}" + (
-            f"**{self.power}" if self.power > 1 else ""
-        )
+        top, bottom = (f"({format_polynomial(part)})" for part in (self.numerator, self.factor))
+        if self.numerator.degree() < 1 and top.startswith("(("):  # a sum is in brackets already
+            top = top[1:-1]
+        return f"{top}/{bottom}" + (f"**{self.power}" if self.power > 1 else "")
 
     def _repr_latex_(self) -> str:
         bottom = self.factor.as_expr() ** self.power
