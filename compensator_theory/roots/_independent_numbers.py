@@ -33,6 +33,7 @@ from compensator_theory.polynomials._reading import polynomial_in_time
 from compensator_theory.polynomials._variables import Time
 from compensator_theory.roots._counts import RootCount
 from compensator_theory.roots._enclosures import ball_of_number
+from compensator_theory.roots._half_plane import half_plane_polynomial
 
 _EXPONENTIAL = re.compile(r"(?<!\w)exp\s*\(")
 
@@ -138,7 +139,7 @@ class Numbers:
         """Count the roots on both sides of the boundary of stability, and on it, exactly."""
         degree = int(poly.degree())
         ask("degree", 4 * degree, "the roots of a polynomial with exponentials")
-        image = half_plane_image(poly, degree) if time == "discrete" else poly
+        image = half_plane_polynomial(poly) if time == "discrete" else poly
         at_infinity = degree - int(image.degree())  # the root -1 of discrete time
         symmetric = common_divisor(image, mirrored(image))
         unstable = 0
@@ -203,16 +204,6 @@ def ball_of(number: Expr) -> flint.arb:
 def mirrored(poly: Poly) -> Poly:
     """Return p(-s)."""
     return Poly({k: c * (-1) ** k[0] for k, c in poly.terms()}, poly.gen, domain=poly.domain)
-
-
-def half_plane_image(poly: Poly, size: int) -> Poly:
-    """Return (1 - s)^k p((1 + s)/(1 - s)) of a polynomial of at most degree k = `size`."""
-    s = poly.gen
-    up, down = Poly(1 + s, s, domain=QQ), Poly(1 - s, s, domain=QQ)
-    total = Poly(0, s, domain=QQ)
-    for (k,), coefficient in poly.terms():
-        total += up ** int(k) * down ** (size - int(k)) * Poly(coefficient, s)
-    return canonical(total)
 
 
 def square_free(poly: Poly) -> Iterator[tuple[Poly, int]]:

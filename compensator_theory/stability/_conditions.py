@@ -20,7 +20,7 @@ from compensator_theory.polynomials._complex_polynomials import complex_parts, n
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._variables import is_discrete
-from compensator_theory.stability._half_plane import half_plane_polynomial
+from compensator_theory.roots._half_plane import half_plane_polynomial
 from compensator_theory.systems._transfer_functions import TransferFunction
 
 Coefficient = TypeVar("Coefficient")

@@ -20,7 +20,7 @@ from compensator_theory.polynomials._multivariate import to_flint
 from compensator_theory.roots._certified import EASY, decided_balls
 from compensator_theory.roots._descartes import real_root_balls
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
-from compensator_theory.stability._half_plane import half_plane_polynomial
+from compensator_theory.roots._half_plane import half_plane_polynomial
 
 
 @dataclass(frozen=True)

@@ -31,10 +31,10 @@ from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._counts import RootCount
 from compensator_theory.roots._enclosures import Enclosure
+from compensator_theory.roots._half_plane import half_plane_polynomial
 from compensator_theory.roots._independent_numbers import (
     Meaning,
     Numbers,
-    half_plane_image,
     may_have_exponentials,
     meaning_of,
     square_free,
@@ -49,6 +49,7 @@ from compensator_theory.stability._enclosed_norms import (
 )
 from compensator_theory.stability._margins import (
     ZERO,
+    CountedLoop,
     GainCrossover,
     PhaseCrossover,
     frequency_of,
@@ -63,7 +64,7 @@ from compensator_theory.stability._nearest_margins import (
 
 
 @dataclass(frozen=True)
-class EnclosedStabilityMargins(PhaseMargins, ExactValue):
+class EnclosedStabilityMargins(CountedLoop, PhaseMargins, ExactValue):
     r"""The crossovers of a loop with exponentials as coefficients, and its margins, certified.
 
     The margins `gain_up`, `gain_down` (factors), `phase_lag`, `phase_lead`, `phase` (degrees) and
@@ -97,21 +98,6 @@ class EnclosedStabilityMargins(PhaseMargins, ExactValue):
     closed_loop: RootCount
     gain_crossovers: tuple[GainCrossover, ...]
     phase_crossovers: tuple[PhaseCrossover, ...]
-
-    @property
-    def is_well_posed(self) -> bool:
-        """Whether :math:`1 + L` is not zero at infinity, so that no closed-loop root is there."""
-        return self.closed_loop.total == self.open_loop.total
-
-    @property
-    def is_stable(self) -> bool:
-        """Whether the loop is well posed and every closed-loop root, hidden or not, is stable."""
-        return self.is_well_posed and self.closed_loop.stable == self.closed_loop.total
-
-    @property
-    def encirclements(self) -> int:
-        """How often L turns clockwise about -1, poles on the boundary passed on the outer side."""
-        return self.closed_loop.unstable - self.open_loop.unstable
 
     @property
     def gain_up(self) -> Margin | None:
@@ -235,7 +221,7 @@ def margins_with_exponentials(
     hidden = common_divisor(N, D) if not N.is_zero else D
     N, D = exact_quotient(N, hidden), exact_quotient(D, hidden)
     size = int(D.degree())
-    top, bottom = (half_plane_image(p, size) if time == "discrete" else p for p in (N, D))
+    top, bottom = (half_plane_polynomial(p, size) if time == "discrete" else p for p in (N, D))
     return EnclosedStabilityMargins(
         N, D, hidden, numbers.meaning, time, opened, closed,
         tuple(_gain_crossovers(top, bottom, time, numbers)),

@@ -18,10 +18,10 @@ from compensator_theory.polynomials._poly import (
 )
 from compensator_theory.polynomials._variables import time_of
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
+from compensator_theory.roots._half_plane import half_plane_polynomial
 from compensator_theory.roots._independent_numbers import (
     Meaning,
     Numbers,
-    half_plane_image,
     independent_numbers,
     may_have_exponentials,
     meaning_of,
@@ -73,7 +73,7 @@ def norm_with_exponentials(
             "Close a stabilising loop first"
         )
     size = int(D.degree())
-    top, bottom = (half_plane_image(p, size) if time == "discrete" else p for p in (N, D))
+    top, bottom = (half_plane_polynomial(p, size) if time == "discrete" else p for p in (N, D))
     above, below = squared_over(top, top)[0], squared_over(bottom, bottom)[0]
     slope = canonical(above.diff() * below - above * below.diff())
     factors = [] if slope.is_zero else [factor for factor, _ in square_free(slope)]

@@ -131,8 +131,30 @@ class PhaseCrossover(ExactValue):
         )
 
 
+class CountedLoop:
+    """What the root counts of a loop say of it."""
+
+    open_loop: RootCount
+    closed_loop: RootCount
+
+    @property
+    def is_well_posed(self) -> bool:
+        """Whether :math:`1 + L` is not zero at infinity, so that no closed-loop root is there."""
+        return self.closed_loop.total == self.open_loop.total
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the loop is well posed and every closed-loop root, hidden or not, is stable."""
+        return self.is_well_posed and self.closed_loop.stable == self.closed_loop.total
+
+    @property
+    def encirclements(self) -> int:
+        """How often L turns clockwise about -1, poles on the boundary passed on the outer side."""
+        return self.closed_loop.unstable - self.open_loop.unstable
+
+
 @dataclass(frozen=True)
-class StabilityMargins(PhaseMargins, ExactValue):
+class StabilityMargins(CountedLoop, PhaseMargins, ExactValue):
     r"""All crossovers of a loop :math:`1 + L`, whether it is stable as it is, and its margins.
 
     The margins `gain_up`, `gain_down` (factors), `phase_lag`, `phase_lead`, `phase` (degrees),
@@ -169,16 +191,6 @@ class StabilityMargins(PhaseMargins, ExactValue):
     gains: StabilityCell | None
 
     @property
-    def is_well_posed(self) -> bool:
-        """Whether :math:`1 + L` is not zero at infinity, so that no closed-loop root is there."""
-        return self.closed_loop.total == self.open_loop.total
-
-    @property
-    def is_stable(self) -> bool:
-        """Whether the loop is well posed and every closed-loop root, hidden or not, is stable."""
-        return self.is_well_posed and self.closed_loop.stable == self.closed_loop.total
-
-    @property
     def is_real(self) -> bool:
         """Whether L is real at all frequencies, so that none of them is a crossover by itself."""
         return bool(squared(*self._in_half_plane())[1].is_zero)
@@ -200,11 +212,6 @@ class StabilityMargins(PhaseMargins, ExactValue):
         if self.time == "continuous":
             return self.numerator, self.denominator
         return half_plane_image(self.numerator, size), half_plane_image(self.denominator, size)
-
-    @property
-    def encirclements(self) -> int:
-        """How often L turns clockwise about -1, poles on the boundary passed on the outer side."""
-        return self.closed_loop.unstable - self.open_loop.unstable
 
     @property
     def gain_up(self) -> Margin | None:

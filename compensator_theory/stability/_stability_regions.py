@@ -22,8 +22,8 @@ from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_discrete
+from compensator_theory.roots._half_plane import half_plane_polynomial
 from compensator_theory.stability._critical_values import cells_between, even_and_odd, real_roots
-from compensator_theory.stability._half_plane import half_plane_polynomial
 from compensator_theory.stability._stability_intervals import (
     StabilityIntervals,
     stability_intervals,
