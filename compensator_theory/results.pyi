@@ -67,11 +67,11 @@ from .responses._time_responses import TimeResponse as TimeResponse
 from .responses._transition_matrices import TransitionMatrix as TransitionMatrix
 from .roots._certified import Root as Root
 from .roots._closed_forms import RootFormula as RootFormula
-from .roots._counts import RootCount as RootCount
 from .roots._enclosures import Enclosure as Enclosure
 from .roots._enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .roots._number_fields import FieldMatrix as FieldMatrix
 from .roots._number_fields import NumberField as NumberField
+from .roots._root_counts import RootCount as RootCount
 from .roots._spectral_factors import SpectralFactor as SpectralFactor
 from .roots._stability import StabilityDecision as StabilityDecision
 from .stability._delayed_margins import DelayedStabilityMargins as DelayedStabilityMargins

@@ -65,7 +65,7 @@ def over_gaussian_rationals(obj: Any, variable: str | Symbol | None) -> tuple[Po
     if isinstance(obj, tuple) and len(obj) == 2:
         if not _shows_unit(obj):
             return None
-        top, bottom = (sympy.sympify(exact_number(side)) for side in obj)
+        top, bottom = (exact_number(side) for side in obj)
         expression = top / bottom
     else:
         found = _expression(obj)
@@ -96,7 +96,7 @@ def _coefficients(obj: Any, variable: str | Symbol | None) -> tuple[list[Expr], 
     if isinstance(obj, list | tuple) or is_array(obj, dimensions=1):
         if variable is None or len(obj) > limit_of("degree") + 1 or not _shows_unit(obj):
             return None
-        return [sympy.sympify(exact_number(value)) for value in obj], Symbol(str(variable))
+        return [exact_number(value) for value in obj], Symbol(str(variable))
     if (expression := _expression(obj)) is None or not expression.has(sympy.I):
         return None
     gen = shared_variable([expression], variable)

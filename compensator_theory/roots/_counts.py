@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory._latex import displayed, words
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
@@ -26,47 +24,15 @@ from compensator_theory.polynomials._reading import (
     polynomial,
     polynomial_in_time,
 )
-from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time
 from compensator_theory.roots._descartes import distinct_real_roots
+from compensator_theory.roots._independent_numbers import polynomial_with_exponentials
+from compensator_theory.roots._root_counts import RootCount
 
 PRECISIONS = (256, 1024, 4096, 16384)
 """Precisions in bits for Routh's array; if none suffices, a row is nearly singular."""
 
 ONE_PLUS, ONE_MINUS = flint.fmpq_poly([1, 1]), flint.fmpq_poly([1, -1])
-
-
-@dataclass(frozen=True)
-class RootCount(ExactValue):
-    """Numbers of roots with multiplicity on the two sides of a boundary and on it.
-
-    Attributes
-    ----------
-    stable, boundary, unstable : int
-        For the imaginary axis: real part below, equal to, above 0. For the unit circle: modulus
-        below, equal to, above 1.
-
-    Examples
-    --------
-    >>> from compensator_theory import count_roots
-    >>> print(count_roots("(s + 1)*(s**2 + 1)**2", time="continuous"))
-    1 stable, 4 on the boundary, 0 unstable
-    """
-
-    stable: int
-    boundary: int
-    unstable: int
-
-    @property
-    def total(self) -> int:
-        """The degree."""
-        return self.stable + self.boundary + self.unstable
-
-    def __str__(self) -> str:
-        return f"{self.stable} stable, {self.boundary} on the boundary, {self.unstable} unstable"
-
-    def _repr_latex_(self) -> str:
-        return displayed(words(str(self)))
 
 
 @refusing
@@ -187,8 +153,6 @@ def count_roots(
     >>> print(count_roots("q*(q + 1)**2*(q - 3)"))
     1 stable, 2 on the boundary, 1 unstable
     """
-    from compensator_theory.roots._independent_numbers import polynomial_with_exponentials
-
     if (found := polynomial_with_exponentials(poly, variable, time)) is not None:
         written, domain, numbers = found
         return numbers.count(written, domain)

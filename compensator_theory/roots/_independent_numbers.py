@@ -31,9 +31,9 @@ from compensator_theory.polynomials._poly import (
 )
 from compensator_theory.polynomials._reading import polynomial_in_time
 from compensator_theory.polynomials._variables import Time
-from compensator_theory.roots._counts import RootCount
 from compensator_theory.roots._enclosures import ball_of_number
 from compensator_theory.roots._half_plane import half_plane_polynomial
+from compensator_theory.roots._root_counts import RootCount
 
 _EXPONENTIAL = re.compile(r"(?<!\w)exp\s*\(")
 
@@ -42,7 +42,7 @@ Meaning: TypeAlias = tuple[tuple[Symbol, Expr], ...]
 
 
 @dataclass(frozen=True)
-class Numbers:
+class IndependentNumbers:
     """Algebraically independent numbers, each with its symbol.
 
     Attributes
@@ -157,13 +157,13 @@ class Numbers:
 
 
 @lru_cache(maxsize=256)
-def _real_roots(numbers: Numbers, poly: Poly, bits: int) -> tuple[flint.arb, ...]:
+def _real_roots(numbers: IndependentNumbers, poly: Poly, bits: int) -> tuple[flint.arb, ...]:
     """Remember the real roots, which each crossover of a loop needs again."""
     return tuple(numbers._isolate_real_roots(poly, bits))
 
 
 @lru_cache(maxsize=256)
-def _polynomial_ball(numbers: Numbers, poly: Poly, precision: int) -> flint.arb_poly:
+def _polynomial_ball(numbers: IndependentNumbers, poly: Poly, precision: int) -> flint.arb_poly:
     return flint.arb_poly([numbers.ball(c) for c in reversed(poly.all_coeffs())])
 
 
@@ -263,7 +263,7 @@ def meaning_of(obj: object) -> Meaning:
 
 def independent_numbers(
     parts: Sequence[tuple[Sequence[Expr], Meaning]], variables: Iterable[Symbol]
-) -> tuple[list[list[Expr]], Numbers] | None:
+) -> tuple[list[list[Expr]], IndependentNumbers] | None:
     """Write expressions with exponentials of rational numbers by powers of one symbol.
 
     Each part comes with the meaning of its symbols. Tangents keep their symbols. None where there
@@ -302,12 +302,12 @@ def independent_numbers(
         powers = {atom: x ** (_exponent(atom) / unit) for atom in atoms}
         written = [[sympy.cancel(e.xreplace(powers)) for e in row] for row in written]
         meaning_now[x] = sympy.exp(unit)
-    return written, Numbers(tuple({**meaning_now, **tangents}.items()))
+    return written, IndependentNumbers(tuple({**meaning_now, **tangents}.items()))
 
 
 def polynomial_with_exponentials(
     obj: object, variable: str | Symbol | None, time: object
-) -> tuple[Poly, Time, Numbers] | None:
+) -> tuple[Poly, Time, IndependentNumbers] | None:
     """Read a polynomial, or that of a system, with exponentials of numbers; None of another one."""
     if not may_have_exponentials(obj):
         return None

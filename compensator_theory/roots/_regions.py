@@ -12,8 +12,9 @@ from compensator_theory.polynomials._reading import (
 )
 from compensator_theory.polynomials._variables import Time
 from compensator_theory.roots._certified import decided_balls
-from compensator_theory.roots._counts import RootCount, require_rational
+from compensator_theory.roots._counts import require_rational
 from compensator_theory.roots._reflections import reciprocal_polynomial
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.roots._unit_circle import fold_palindrome, is_inside
 
 

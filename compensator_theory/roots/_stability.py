@@ -27,9 +27,10 @@ from compensator_theory.polynomials._reading import (
 )
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time
-from compensator_theory.roots._counts import RootCount, count_roots, require_rational
+from compensator_theory.roots._counts import count_roots, require_rational
 from compensator_theory.roots._independent_numbers import polynomial_with_exponentials
 from compensator_theory.roots._regions import locate_roots
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.roots._schur_cohn import reflection_coefficients
 
 MAX_DETERMINANTS = 40

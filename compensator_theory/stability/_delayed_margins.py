@@ -29,8 +29,9 @@ from compensator_theory.polynomials._poly import (
 )
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
-from compensator_theory.roots._counts import RootCount, count_roots
+from compensator_theory.roots._counts import count_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_number
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.stability import _margins
 from compensator_theory.stability._delays import StabilityDelays, stability_delays
 from compensator_theory.stability._enclosed_margins import (

@@ -29,16 +29,16 @@ from compensator_theory.polynomials._poly import (
 )
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
-from compensator_theory.roots._counts import RootCount
 from compensator_theory.roots._enclosures import Enclosure
 from compensator_theory.roots._half_plane import half_plane_polynomial
 from compensator_theory.roots._independent_numbers import (
+    IndependentNumbers,
     Meaning,
-    Numbers,
     may_have_exponentials,
     meaning_of,
     square_free,
 )
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.stability._enclosed_norms import (
     BITS,
     narrow,
@@ -132,8 +132,8 @@ class EnclosedStabilityMargins(CountedLoop, PhaseMargins, ExactValue):
         return factors
 
     @property
-    def _numbers(self) -> Numbers:
-        return Numbers(self.exponentials)
+    def _numbers(self) -> IndependentNumbers:
+        return IndependentNumbers(self.exponentials)
 
     def _phase(self, *, lead: bool) -> Margin | None:
         if not self.is_stable:
@@ -238,7 +238,9 @@ def _vanishing(poly: Poly, factor: Poly) -> Poly:
     return divisor
 
 
-def _gain_crossovers(top: Poly, bottom: Poly, time: Time, numbers: Numbers) -> list[GainCrossover]:
+def _gain_crossovers(
+    top: Poly, bottom: Poly, time: Time, numbers: IndependentNumbers
+) -> list[GainCrossover]:
     difference = canonical(squared_over(top, top)[0] - squared_over(bottom, bottom)[0])
     crossovers = []
     for whole, _ in () if difference.is_zero else square_free(difference):
@@ -251,7 +253,7 @@ def _gain_crossovers(top: Poly, bottom: Poly, time: Time, numbers: Numbers) -> l
     return sorted(crossovers, key=lambda c: c.frequency.centre)
 
 
-def _positive(factor: Poly, numbers: Numbers) -> list[int]:
+def _positive(factor: Poly, numbers: IndependentNumbers) -> list[int]:
     """Return the indices of the positive roots among the real ones; 0 is none of them."""
     least = min((int(k) for (k,), _ in factor.terms()), default=0)
     negative_or_zero = 0
@@ -271,7 +273,7 @@ def _positive(factor: Poly, numbers: Numbers) -> list[int]:
 
 def _gain_crossover(
     factor: Poly, index: int, angle: int | None, top: Poly, bottom: Poly, time: Time,
-    numbers: Numbers,
+    numbers: IndependentNumbers,
 ) -> GainCrossover:  # fmt: skip
     """`angle` is that of -L over pi where L is -1 or 1; else L is not real on the circle."""
 
@@ -297,7 +299,7 @@ def _gain_crossover(
 
 
 def _phase_crossovers(
-    top: Poly, bottom: Poly, size: int, time: Time, numbers: Numbers
+    top: Poly, bottom: Poly, size: int, time: Time, numbers: IndependentNumbers
 ) -> list[PhaseCrossover]:
     real, imaginary = squared_over(top, bottom)
     below = squared_over(bottom, bottom)[0]
@@ -329,7 +331,7 @@ def _phase_crossovers(
 
 
 def _phase_crossover(
-    factor: Poly, index: int, real: Poly, below: Poly, time: Time, numbers: Numbers
+    factor: Poly, index: int, real: Poly, below: Poly, time: Time, numbers: IndependentNumbers
 ) -> PhaseCrossover | None:
     """Return the crossover where L is negative; None where it is positive."""
 
@@ -347,7 +349,7 @@ def _phase_crossover(
     return PhaseCrossover(square, frequency, gain, gain)
 
 
-def _enclosure(numbers: Numbers, value: Expr) -> Enclosure:
+def _enclosure(numbers: IndependentNumbers, value: Expr) -> Enclosure:
     """Return the enclosure of a rational function of the numbers."""
     reduced = sympy.cancel(value)
     if reduced.is_Rational:

@@ -20,8 +20,8 @@ from compensator_theory.polynomials._variables import time_of
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.roots._half_plane import half_plane_polynomial
 from compensator_theory.roots._independent_numbers import (
+    IndependentNumbers,
     Meaning,
-    Numbers,
     independent_numbers,
     may_have_exponentials,
     meaning_of,
@@ -104,7 +104,7 @@ def without_meaning(obj: Any) -> Any:
 
 def over_numbers(
     systems: Sequence[TransferFunction], meanings: Sequence[Meaning]
-) -> tuple[list[TransferFunction], Numbers] | None:
+) -> tuple[list[TransferFunction], IndependentNumbers] | None:
     """Write the coefficients of systems by the symbols of independent numbers."""
     parts = [
         ([*G.numerator.all_coeffs(), *G.denominator.all_coeffs()], meaning)

@@ -10,7 +10,8 @@ from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
 from compensator_theory.polynomials._variables import is_discrete
-from compensator_theory.roots._counts import RootCount, count_roots, half_plane_image
+from compensator_theory.roots._counts import count_roots, half_plane_image
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 
 

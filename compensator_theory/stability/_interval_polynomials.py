@@ -17,7 +17,8 @@ from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_discrete
-from compensator_theory.roots._counts import RootCount, count_roots
+from compensator_theory.roots._counts import count_roots
+from compensator_theory.roots._root_counts import RootCount
 
 PATTERNS = ("lluu", "uull", "luul", "ullu")
 """Lower or upper end of the coefficients of s^0, s^1, s^2, s^3, and so on again."""

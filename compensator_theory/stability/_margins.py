@@ -33,8 +33,9 @@ from compensator_theory.polynomials._poly import (
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._certified import root_balls
-from compensator_theory.roots._counts import RootCount, count_roots, half_plane_image
+from compensator_theory.roots._counts import count_roots, half_plane_image
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.stability._critical_values import (
     even_and_odd,
     real_roots,

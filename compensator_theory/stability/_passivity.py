@@ -17,7 +17,7 @@ from compensator_theory.matrices._linear_algebra import characteristic_polynomia
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.roots._counts import RootCount
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.stability._critical_values import number_between, positive_roots
 from compensator_theory.stability._half_plane_matrices import (
     HalfPlaneMatrix,

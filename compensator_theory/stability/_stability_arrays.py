@@ -24,7 +24,8 @@ from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._poly import canonical, common_divisor, is_rational
 from compensator_theory.polynomials._reading import PolynomialOrSystem, polynomial_in_time
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.roots._counts import RootCount, count_roots
+from compensator_theory.roots._counts import count_roots
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.stability._conditions import (
     StabilityConditions,
     simplified_conditions,

@@ -21,7 +21,8 @@ from compensator_theory.polynomials._poly import from_coefficients, scaled
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, as_symbol, time_of
-from compensator_theory.roots._counts import RootCount, count_roots
+from compensator_theory.roots._counts import count_roots
+from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.stability._conditions import stability_conditions
 from compensator_theory.stability._critical_values import (
     CriticalValue,

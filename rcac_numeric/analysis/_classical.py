@@ -279,9 +279,9 @@ def _is_to_be_sampled(plant: Any, sample_time: float | None, variable: str | Non
         return False
     if sample_time is None and isinstance(G, exact.DelayedTransferFunction):
         raise InputError(
-            "the loop has a dead time and is in continuous time; give the sample time of a hold, "
-            "as in stability_margins(G, feedback=-1, sample_time=0.1), or take "
-            "compensator_theory.stability_margins, which answers it exactly."
+            "the loop has a dead time and is in continuous time; give the period of a hold, as in "
+            "sample_time=0.1, or take compensator_theory.stability_margins, which answers it "
+            "exactly."
         )
     return sample_time is not None and G.time == "continuous"
 

@@ -16,7 +16,7 @@ from compensator_theory import (
 )
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.polynomials._poly import canonical
-from compensator_theory.roots._independent_numbers import Numbers
+from compensator_theory.roots._independent_numbers import IndependentNumbers
 from compensator_theory.sampling import first_order_hold, zero_order_hold
 from tests.support.structure_cases import fewer
 
@@ -109,9 +109,11 @@ def test_planted_roots_are_counted(roots, pairs):
     moduli = [abs(sympy.sympify(r).subs(x, number)) for r in roots]
     for pair in pairs:
         a, b, c = Poly(pair, z).all_coeffs()
-        moduli += [sympy.sqrt((c / a).subs(x, number))] * 2  # complex pairs, all of them
+        moduli += [sympy.sqrt((c / a).subs(x, number))] * 2  # complex pairs
         assert (b**2 - 4 * a * c).subs(x, number) < 0
-    count = Numbers(((x, number),)).count(canonical(Poly(sympy.expand(p), z)), "discrete")
+    count = IndependentNumbers(((x, number),)).count(
+        canonical(Poly(sympy.expand(p), z)), "discrete"
+    )
     expected = [sum(1 for m in moduli if sympy.sign(m - 1) == sign) for sign in (-1, 0, 1)]
     assert [count.stable, count.boundary, count.unstable] == expected
 
