@@ -15,8 +15,8 @@ _PAIRS = (sympy.sin, sympy.cos, sympy.tan)
 _TRIGONOMETRIC = sympy.functions.elementary.trigonometric.TrigonometricFunction
 _DEAD_TIME = (
     "as dead_time= to {function}, sampled as 1/q**d, or as a list of polynomials to "
-    "stability_delays; transfer_function reads it, and the method pade of the result approximates "
-    "it by a rational function"
+    "stability_delays; transfer_function, step_response and stability_margins read it, and the "
+    "method pade of a transfer function approximates it by a rational one"
 )
 DEAD_TIME = Advice("design", (("dead_time", "..."),), f"pass a dead time separately: {_DEAD_TIME}")
 _ALGEBRAIC_NAMES = (sympy.GoldenRatio, sympy.TribonacciConstant)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from compensator_theory.errors import CompensatorError, InputError, WrongAnswerError
 from compensator_theory.libraries import require_library
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.teaching._answers import written
 from compensator_theory.teaching._course import course_exercises
@@ -83,8 +84,8 @@ def judge(exercise: Exercise | str, answer: Any, *, draws: int = 50, seed: int =
     Raises
     ------
     InputError
-        If the exercise does not exist, Hypothesis is not installed, or a claim's answer is neither
-        a truth value nor a case.
+        If the exercise does not exist, Hypothesis is not installed, or draws or seed is no such
+        number.
 
     Examples
     --------
@@ -108,6 +109,8 @@ def judge(exercise: Exercise | str, answer: Any, *, draws: int = 50, seed: int =
     if case is None:
         return Judgement(True, f"{number} drawn cases agree", draws=number)
     fault = _fault(exercise, answer, case) or _UNSTEADY
+    if fault == _UNANSWERED:
+        return Judgement(False, fault)
     return Judgement(False, fault, case, exercise.parameters, number)
 
 
@@ -151,6 +154,7 @@ def location(parameters: tuple[str, ...], case: Case) -> str:
     )
 
 
+_UNANSWERED = "the exercise is not answered yet"
 _UNSTEADY = "your function returns different values for the same arguments"
 
 
@@ -170,9 +174,10 @@ def _judge_claim(claim: _Claim, answer: Any, draws: int, seed: int) -> Judgement
     if isinstance(answer, list | tuple):
         return _judge_counterexample(claim, tuple(answer))
     if str(answer) not in ("True", "False"):
-        raise InputError(
-            f"the answer to a claim is True, False, or a counterexample: a tuple of "
-            f"{', '.join(claim.parameters)}; not {answer!r}"
+        return Judgement(
+            False,
+            "the answer to a claim is True, False, or a counterexample: a tuple of "
+            f"{', '.join(claim.parameters)}; not {repr_of(answer)}",
         )
     is_right = (str(answer) == "True") is claim.is_true
     most = draws if claim.is_true else 10 * draws  # a counterexample ends the search
@@ -187,20 +192,16 @@ def _judge_claim(claim: _Claim, answer: Any, draws: int, seed: int) -> Judgement
 
 def _judge_counterexample(claim: _Claim, case: Case) -> Judgement:
     if len(case) != len(claim.parameters):
-        raise InputError(
+        return Judgement(
+            False,
             f"a counterexample is a tuple of {len(claim.parameters)} parts, "
-            f"{', '.join(claim.parameters)}; this one has {len(case)}"
+            f"{', '.join(claim.parameters)}; this one has {len(case)}",
         )
     try:
         fault = claim.fault(None, *case)
-    except CompensatorError:
-        raise
-    except Exception as error:
-        names = ", ".join(claim.parameters)
-        raise InputError(
-            f"the counterexample must be a tuple of {names}; this one raises "
-            f"{type(error).__name__}: {error}"
-        ) from None
+    except Exception as error:  # what a student writes may raise anything
+        refusal = str(error).rstrip(".")
+        return Judgement(False, f"the counterexample cannot be read or is none: {refusal}")
     if fault is None:
         place = location(claim.parameters, case)
         return Judgement(False, f"{place} is no counterexample; the statement holds there")
@@ -262,7 +263,7 @@ def _fault(exercise: Exercise, answer: Any, case: Case) -> str | None:
     try:
         return exercise.fault(answer, *case)
     except NotImplementedError:
-        return "the exercise is not answered yet"
+        return _UNANSWERED
     except CompensatorError as error:
         return f"the answer is refused: {str(error).rstrip('.')}"
     except Exception as error:  # a student's function may raise anything
