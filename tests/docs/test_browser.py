@@ -16,6 +16,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from docs.browser import downloads
+from docs.browser.check import differences
 from docs.browser.downloads import PINS, PinsError, UnavailableError, distribution
 from docs.browser.examples import INSTALLED, pages, run_alone
 from docs.browser.lite import BROWSER, lock
@@ -216,3 +217,15 @@ def test_an_error_is_one_line(message, name):
 def test_a_syntax_error_is_one_line(code):
     error, _ = answers(code)
     assert error.startswith("SyntaxError: ") and len(error.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("answers", "said"),
+    [
+        ([["1/2", "0.5"], ["x", None]], []),
+        ([["1/2", "0.25"], ["x", None]], ["1/2 answers '0.25' instead of '0.5\\n'"]),
+        ([["1/2", "0.5"]], ["1 answers instead of 2"]),
+    ],
+)
+def test_an_answer_that_differs_from_the_page_is_named(answers, said):
+    assert list(differences(">>> 1/2\n0.5\n>>> x = 1\n>>> x  # a formula\n1\n", answers)) == said

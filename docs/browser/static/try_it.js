@@ -106,14 +106,14 @@
     if (source) answers.append(element("pre", { className: "source", textContent: source }));
     if (text) answers.append(element("pre", { textContent: text }));
     if (formula == null) return;
-    const place = element("div", { className: "math" });
+    const place = element("div", { className: "math", tabIndex: 0 });
     answers.append(place);
     set(formula, place);
   }
 
   // The example becomes a field of the page; without Python it stays as it is, and the reason below it.
   for (const one of blocks) {
-    const button = element("button", { className: "try-it-button", textContent: "Try it", title: "runs in this browser; the first run loads about 21 MB" });
+    const button = element("button", { className: "try-it-button", textContent: "Try it", title: "runs in this browser; the first run loads 28 MB" });
     const state = element("span", { role: "status" });
     const place = element("p", { className: "try-it-offer" }, button, state);
     button.onclick = async () => {
@@ -135,6 +135,6 @@
       const reason = await missing("jupyter-lite.json");
       if (reason) state.textContent = reason; else location.assign(link.href);
     };
-    place.append(link, " (JupyterLite; nothing is installed, the first visit loads about 30 MB) ", state);
+    place.append(link, " (JupyterLite; nothing is installed, the first visit loads 40 MB) ", state);
   }
 })();

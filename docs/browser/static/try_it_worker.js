@@ -5,7 +5,7 @@ let session = null;
 let last = Promise.resolve();
 
 async function start(tell) {
-  tell({ state: "loading Python (about 21 MB, once) …" });
+  tell({ state: "loading Python (28 MB, once) …" });
   const { loadPyodide } = await import(`${home}pyodide.mjs`);
   const python = await loadPyodide({ indexURL: home, packages: ["compensator-theory"] });
   tell({ state: "starting …" });
