@@ -13,6 +13,7 @@ from . import strategies as strategies
 from . import teaching as teaching
 from .bezout._common_factors import bezout_identity as bezout_identity
 from .bezout._resultants import resultant as resultant
+from .certificates._coq import to_coq as to_coq
 from .certificates._records import certificate_record as certificate_record
 from .errors import CompensatorError as CompensatorError
 from .errors import InputError as InputError

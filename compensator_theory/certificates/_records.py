@@ -23,10 +23,12 @@ from compensator_theory.placement._brunovsky import BrunovskyForm
 from compensator_theory.placement._doubly_coprime import DoublyCoprimeFractions
 from compensator_theory.placement._gain_families import StateFeedbackFamily
 from compensator_theory.placement._matrix_placement import MatrixPlacement
+from compensator_theory.placement._rounding_effects import is_stable
 from compensator_theory.placement._solutions import PolePlacement
 from compensator_theory.polynomials._budget import unlimited
 from compensator_theory.polynomials._carrying import refusing
-from compensator_theory.polynomials._variables import Time, time_of
+from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._variables import Time, is_operator, time_of
 from compensator_theory.responses._transition_matrices import TransitionMatrix
 from compensator_theory.roots._number_fields import FieldMatrix
 from compensator_theory.stability._stability_intervals import StabilityIntervals
@@ -84,6 +86,12 @@ class RecordWriter:
     def stable(self, name: str, time: Time) -> None:
         """Claim that a polynomial has stable roots only."""
         self._claim("stable", {"is": name, "time": time})
+
+    def stable_if_so(self, name: str, polynomial: Poly) -> None:
+        """Claim that a polynomial of rational numbers has stable roots only, where it does."""
+        is_decided = is_operator(polynomial.gen) and is_rational(polynomial)
+        if is_decided and is_stable(polynomial):
+            self.stable(name, time_of(polynomial.gen, "stability"))
 
     def definite(self, name: str) -> None:
         """Claim that a symmetric matrix of numbers is positive definite."""
@@ -161,6 +169,7 @@ def _placement(result: PolePlacement) -> RecordWriter:
     )
     write.matrix("lambda", Poly(closed, result.target.gen).LC())
     write.equation((1, ("D", "D_c")), (-result.feedback, ("N", "N_c")), (-1, ("lambda", "p")))
+    write.stable_if_so("p", result.target)
     for k, (above, below) in enumerate(result.homogeneous):
         write.matrix(f"dN{k}", above)
         write.matrix(f"dD{k}", below)
@@ -260,6 +269,7 @@ def _gain_family(result: StateFeedbackFamily) -> RecordWriter:
         write.matrix(name, content)
     write.matrix("p", result.polynomial)
     write.spectrum("p", (1, ("A",)), (1, ("B", "K")))
+    write.stable_if_so("p", result.polynomial)
     return write
 
 
@@ -282,6 +292,8 @@ def _observer_form(result: ObserverForm) -> RecordWriter:
     write.spectrum("p_O", (1, ("A_c",)), (1, ("B_c", "D", "C_c")), (-1, ("T", "B", "C_c")))
     if result.T.rows == result.T.cols:
         write.regular("T")
+    write.stable_if_so("p_R", result.regulator)
+    write.stable_if_so("p_O", result.observer)
     return write
 
 
@@ -297,6 +309,8 @@ def _observer_based(result: ObserverBasedCompensator) -> RecordWriter:
         write.matrix(name, content)
     write.spectrum("p_R", (1, ("A",)), (1, ("B", "K")))
     write.spectrum("p_O", (1, ("A",)), (-1, ("F", "C")))
+    write.stable_if_so("p_R", result.regulator)
+    write.stable_if_so("p_O", result.observer)
     return write
 
 

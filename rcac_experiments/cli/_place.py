@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import click
 from sympy import Poly
@@ -10,7 +11,14 @@ from sympy import Poly
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from compensator_theory.systems._conversions import transfer_function
-from rcac_experiments.cli._output import as_json_option, budget_option, show, variable_option
+from rcac_experiments.cli._output import (
+    as_json_option,
+    budget_option,
+    show,
+    variable_option,
+    writable,
+)
+from rcac_numeric.arrays._files import replacing
 from rcac_numeric.reports._placement import placement_sheet
 
 
@@ -32,10 +40,16 @@ from rcac_numeric.reports._placement import placement_sheet
 )  # fmt: skip
 @variable_option
 @budget_option()
+@click.option(
+    "--coq", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE.v",
+    callback=writable(".v"),
+    help="Write the certificate as a file of Coq, which proves this design.",
+)  # fmt: skip
 @as_json_option
 def place(
-    plant: str, poles: str, n_c: int | None, feedback: str, variable: str | None, as_json: bool
-) -> None:
+    plant: str, poles: str, n_c: int | None, feedback: str, variable: str | None,
+    coq: Path | None, as_json: bool,
+) -> None:  # fmt: skip
     """Place closed-loop poles exactly, and compare the result with float64.
 
     All numbers are rational: 0.1 is 1/10, and j is the imaginary unit. Without a solution the
@@ -44,7 +58,17 @@ def place(
     system = transfer_function(plant, variable)
     target = _target(poles, str(system.variable))
     _require_degree(int(target.degree()), int(system.denominator.degree()), n_c)
-    show(placement_sheet(exact.place_poles(system, target, n_c, feedback=int(feedback))), as_json)
+    result = exact.place_poles(system, target, n_c, feedback=int(feedback))
+    certificate = "" if coq is None else exact.to_coq(result)
+
+    def write() -> list[str]:
+        if coq is None:
+            return []
+        with replacing(coq) as new:
+            new.write_text(certificate, encoding="utf-8")
+        return [f"Coq: {coq}; its head says how it is compiled"]
+
+    show(placement_sheet(result), as_json, write=write)
 
 
 def _target(poles: str, variable: str) -> Poly:

@@ -278,6 +278,25 @@ class CertifiedSet(Result):
             write.definite(f"S{k}")
         return write.record()
 
+    def to_coq(self) -> str:
+        """Return the certificate as a file of Coq: P and S of every member are positive definite.
+
+        S is the matrix of the bounded real lemma; that it is made of the member's matrices is an
+        equation of the file. ``theorems.SmallGain`` of ``proofs/rocq`` says what follows.
+
+        Raises
+        ------
+        InputError
+            If a member has no multipliers, or the set is not verified.
+
+        See Also
+        --------
+        compensator_theory.to_coq : The format, and how the file is compiled.
+        """
+        from compensator_theory.certificates._coq import to_coq  # SymPy and the exact half, whole
+
+        return to_coq(self.certificate_record())
+
     def _is_ellipsoid(self) -> bool:
         K, scale = self.regressor_factor, self.input_scale
         return bool(

@@ -175,6 +175,7 @@ GOOD = {
     "time_response": ([_G, "1/s**2"], {}),
     "transition_matrix": ([_A], {}),
     "certificate_record": ([exact.bezout_identity(_P, _Q)], {}),
+    "to_coq": ([exact.bezout_identity(_P, _Q)], {}),
     "routh_array": ([_P], {}),
     "jury_array": (["z**2 + a*z + 1/2"], {}),
     "servo_problem": (["1/(q**2 - 2*q)"], {}),

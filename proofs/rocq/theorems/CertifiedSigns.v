@@ -28,10 +28,11 @@ Definition is_definite n (e : expression n n) (s : Z) (weights : seq Z) (factor 
       every n n (fun i j => is_whole (cell l i j) && Z.eqb (q i j) (q j i)) &
       all (fun i => Z.ltb (sum_of n (excess m i)) Z0) (iota 0 n)].
 
-(* Coefficients ascend. *)
+(* Coefficients ascend; they are those of p or of -p, which has the same roots. *)
 Definition power_form (cs : seq Z) : horner := foldr (fun c q => mkPX Z0 Z.eqb q xH (constant c)) zero cs.
 Definition has_coefficients (p : expression 1 1) (cs : seq Z) : bool :=
-  is_defined [::] p && same (cell (computed p).1 0 0) (power_form cs).
+  is_defined [::] p && (same (cell (computed p).1 0 0) (power_form cs) ||
+    same (times (constant (Zneg xH)) (cell (computed p).1 0 0)) (power_form cs)).
 Definition shares (g : Z) (next row : seq Z) : bool :=
   (size next == size row) && all (fun i => Z.eqb (Z.mul g (nth Z0 next i)) (nth Z0 row i)) (iota 0 (size row)).
 
@@ -215,10 +216,12 @@ Proof. by move=> nz; rewrite map_polyZ rootZ // fmorph_eq0. Qed.
 Lemma has_root p cs z (y : seq C) : has_coefficients p cs -> at_ (z :: y) p = 0 ->
   root (map_poly (real_complex R) (poly_of cs)) z.
 Proof.
-case/andP=> defined /(horner_at_same (z :: y)); rewrite power_form_at => E.
+case/andP=> defined coefficients.
 have [nz ->] := @defined_computed C (char0_of _) (z :: y) [::] _ _ p isT defined.
-move/matrixP/(_ 0 0); rewrite !mxE => /eqP.
-by rewrite mulf_eq0 invr_eq0 (negPf nz) /= E.
+move/matrixP/(_ 0 0); rewrite !mxE => /eqP; rewrite mulf_eq0 invr_eq0 (negPf nz) /= => zero.
+rewrite rootE -(power_form_at z y).
+case/orP: coefficients => /(horner_at_same (z :: y)) <- //.
+by rewrite horner_at_times mulf_eq0 zero orbT.
 Qed.
 
 Lemma routh_rows_sound cs rows : routh_rows cs rows -> RouthHurwitz.hurwitz (poly_of cs).

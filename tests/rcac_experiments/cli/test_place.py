@@ -7,7 +7,13 @@ import pytest
 import sympy
 from click.testing import CliRunner
 
-from compensator_theory import InputError, place_poles, polynomial_from_roots, transfer_function
+from compensator_theory import (
+    InputError,
+    place_poles,
+    polynomial_from_roots,
+    to_coq,
+    transfer_function,
+)
 from compensator_theory.errors import RoundingWarning
 from rcac_experiments.cli._main import main
 from rcac_numeric import placement_conditioning
@@ -187,3 +193,16 @@ def test_a_plant_with_a_function_of_a_symbol_is_placed(rcac):
     result = rcac("place", "--plant", "1/(z - exp(-T))", "--poles", "0", "--feedback", "-1")
     assert result.exit_code == 0, result.output
     assert "G_c = (exp(-T))/(1)" in result.output
+
+
+def test_the_certificate_for_coq(rcac, tmp_path):
+    plant = ("place", "--plant", "b/(s + a)", "--poles", "-1, -2", "--coq")
+    file = tmp_path / "design.v"
+    result = rcac(*plant, str(file))
+    assert result.exit_code == 0 and f"Coq: {file}" in result.output
+    design = place_poles("b/(s + a)", [-1, -2], feedback=-1)
+    assert file.read_text(encoding="utf-8") == to_coq(design)
+    for wrong in ("design.txt", "none/design.v"):
+        result = rcac(*plant, str(tmp_path / wrong))
+        assert result.exit_code == 2 and "--coq" in result.stderr
+    assert list(tmp_path.iterdir()) == [file]

@@ -25,3 +25,15 @@ def test_the_harness_confirms_a_set_and_refuses_a_falsified_one(loop, data):
     term = data.draw(st.sampled_from(data.draw(st.sampled_from(entries))))
     term[0] = str(Fraction(term[0]) * 2)
     assert recheck.failures(record)
+
+
+@pytest.mark.costly
+@settings(max_examples=4)
+@given(loops())
+def test_a_set_becomes_a_file_for_coq(loop):
+    """Each member has a theorem for the equation of S and one for each definite matrix."""
+    text = certified_set(*loop).to_coq()
+    members = text.count("Theorem equation_")
+    assert (
+        members and text.count("Theorem definite_P") == text.count("Theorem definite_S") == members
+    )
