@@ -15,7 +15,8 @@ Notebook: TypeAlias = dict[str, Any]
 _SOLUTION = re.compile(
     r"^([ \t]*)### BEGIN SOLUTION[^\n]*\n.*?^[ \t]*### END SOLUTION[^\n]*$", re.M | re.S
 )
-_STUB = "{0}# Your answer\n{0}raise NotImplementedError"
+_STUB = "{0}# YOUR CODE HERE\n{0}raise NotImplementedError()"
+"""That of nbgrader, whose student version is the same."""
 _BEGIN = "### BEGIN SOLUTION"
 _MARK = re.compile(r"### (?:BEGIN|END) SOLUTION")
 
@@ -60,8 +61,8 @@ def student_notebook(notebook: Notebook) -> Notebook:
     >>> notebook = student_notebook({"nbformat": 4, "cells": [cell]})
     >>> print("".join(notebook["cells"][0]["source"]))
     def gain(a):
-        # Your answer
-        raise NotImplementedError
+        # YOUR CODE HERE
+        raise NotImplementedError()
     """
     if not isinstance(notebook, dict) or notebook.get("nbformat") != 4 or not _has_cells(notebook):
         raise InputError("a notebook must be a dict of nbformat 4 with cells, as JSON has it")

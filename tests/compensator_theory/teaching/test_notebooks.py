@@ -21,15 +21,15 @@ def notebook(source, metadata=GRADED, kind="code"):
 @pytest.mark.parametrize(
     ("source", "student"),
     [
-        ("### BEGIN SOLUTION\nx = 1\n### END SOLUTION", "# Your answer\nraise NotImplementedError"),
+        ("### BEGIN SOLUTION\nx = 1\n### END SOLUTION", "# YOUR CODE HERE\nraise NotImplementedError()"),
         (
             "def f(a):\n    ### BEGIN SOLUTION\n    return a\n    ### END SOLUTION\n\nf(1)",
-            "def f(a):\n    # Your answer\n    raise NotImplementedError\n\nf(1)",
+            "def f(a):\n    # YOUR CODE HERE\n    raise NotImplementedError()\n\nf(1)",
         ),
         (
             ["### BEGIN SOLUTION\n", "a\n", "### END SOLUTION\n", "b\n",
              "### BEGIN SOLUTION HERE\n", "### END SOLUTION"],
-            "# Your answer\nraise NotImplementedError\nb\n# Your answer\nraise NotImplementedError",
+            "# YOUR CODE HERE\nraise NotImplementedError()\nb\n# YOUR CODE HERE\nraise NotImplementedError()",
         ),
     ],
 )  # fmt: skip
