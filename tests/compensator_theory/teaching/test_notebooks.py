@@ -10,6 +10,7 @@ import pytest
 from compensator_theory.errors import InputError
 from compensator_theory.teaching import student_notebook
 
+STUB = "# YOUR CODE HERE\nraise NotImplementedError()"
 GRADED = {"nbgrader": {"solution": True, "grade_id": "one"}}
 
 
@@ -21,7 +22,7 @@ def notebook(source, metadata=GRADED, kind="code"):
 @pytest.mark.parametrize(
     ("source", "student"),
     [
-        ("### BEGIN SOLUTION\nx = 1\n### END SOLUTION", "# YOUR CODE HERE\nraise NotImplementedError()"),
+        ("### BEGIN SOLUTION\nx = 1\n### END SOLUTION", STUB),
         (
             "def f(a):\n    ### BEGIN SOLUTION\n    return a\n    ### END SOLUTION\n\nf(1)",
             "def f(a):\n    # YOUR CODE HERE\n    raise NotImplementedError()\n\nf(1)",
@@ -29,7 +30,7 @@ def notebook(source, metadata=GRADED, kind="code"):
         (
             ["### BEGIN SOLUTION\n", "a\n", "### END SOLUTION\n", "b\n",
              "### BEGIN SOLUTION HERE\n", "### END SOLUTION"],
-            "# YOUR CODE HERE\nraise NotImplementedError()\nb\n# YOUR CODE HERE\nraise NotImplementedError()",
+            f"{STUB}\nb\n{STUB}",
         ),
     ],
 )  # fmt: skip
