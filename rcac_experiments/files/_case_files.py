@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.files._builder import FILE
-from rcac_experiments.files._controllers import CONTROLLER
+from rcac_experiments.files._controllers import CONTROLLER, WHOLE
 from rcac_experiments.files._documents import Raw, named, read_file
 from rcac_experiments.files._plants import read_plant
 from rcac_experiments.files._structures import STRUCTURE
@@ -106,6 +106,12 @@ def read_structure(
     table_of_controller = require_table(table.get("controller", {}), place)
     CONTROLLER.table.require_known(table_of_controller, place)
     if kind is None and n_c is None:
+        if (whole := table_of_controller.get("structure")) in list(WHOLE):
+            raise InputError(
+                f"[controller] structure = {whole!r} is a complete controller, and u, y and theta "
+                "of a log do not replay it. Check the saved run (rcac verify CASE --save RUN.npz), "
+                "or remove [controller] and give --controller, the transfer function of u."
+            )
         defaults = {
             key: value for key, value in table_of_controller.items() if key in STRUCTURE.all_keys()
         }

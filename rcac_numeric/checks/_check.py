@@ -42,6 +42,7 @@ from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks._regressor import require_fit
 from rcac_numeric.checks._replays import ControlReplay, Replayer, limits_of_u, replay_compensator
+from rcac_numeric.checks._run_replays import replay_run
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -75,7 +76,8 @@ class ControllerCheck(Result):
     analysis : LoopAnalysis or None
         The plant with the fixed controller, beside the target model.
     replay : ControlReplay or None
-        Whether the logged u is the output of the logged theta.
+        Whether the logged u is the output of the logged theta; of a run of ours whose u is not that
+        of one theta, whether u and theta are those of its settings on the recorded y, z and r.
     drift : Drift or None
         How far theta still moved in the last tenth of the log.
     internal_models : tuple of InternalModel
@@ -342,6 +344,11 @@ def check_controller(
     is_fixed = isinstance(u.settings, FixedController) if isinstance(u, Run) else False
     is_fixed |= compensator is not None
     run = u if isinstance(u, Run) and knows_its_plant else None
+    known = convention_of(convention)
+    is_default = known in (OURS, OWN_U)
+    # A run whose own controller is checked.
+    of_its_settings = structure is None and compensator is None and is_default
+    own = u if isinstance(u, Run) and of_its_settings else None
     if isinstance(u, Run):
         arguments = arguments_of_run(u)
         if u_limits is None and u.saturation is not None and u.saturation.rate is None:
@@ -360,7 +367,6 @@ def check_controller(
     agreed_times([plant, compensator], sample_time)
     if k_w is not None:
         integer(k_w, "k_w")
-    known = convention_of(convention)
     has_theta = compensator is None and log.theta is not None and structure is not None
     written = log  # its roundings are those of the file; a sum of two signals has both
     if has_theta and structure is not None:
@@ -375,11 +381,17 @@ def check_controller(
     limits = limits_of_u(log, u_limits)
     conventions, drift, unanswered = None, None, {}
     replayed: ControlReplay | None = None
-    is_default = known in (OURS, OWN_U)
+    of_run: ControlReplay | str | None = None
     if has_theta and structure is not None:
         replayer = Replayer(written, structure, k_w=k_w, tolerance=tolerance)
         replayed = replayer.replay(known, limits)
-        if not replayed.agrees and is_default:
+        if own is not None and not replayed.agrees:  # theta alone need not make u: a dither
+            of_run = replay_run(own, k_w=k_w, tolerance=tolerance)
+            if isinstance(of_run, str):
+                replayed, unanswered["replay"] = None, of_run
+            elif of_run.agrees:
+                replayed = of_run
+        if replayed is not None and not replayed.agrees and is_default:
             conventions = search_conventions(replayer, replayed, limits)
         if log.has_history:
             assert log.theta is not None
@@ -390,9 +402,15 @@ def check_controller(
         reason = "no theta was logged" if log.theta is None else "theta was not used"
         unanswered["convergence"] = reason
         options: dict[str, Any] = {"k_w": k_w, "tolerance": tolerance, "u_limits": u_limits}
-        if log.steps > len(fixed.past_u):
+        if own is not None:
+            of_run = replay_run(own, k_w=k_w, tolerance=tolerance)
+        if isinstance(of_run, ControlReplay):
+            replayed = of_run
+        elif log.steps > len(fixed.past_u):
             replayed = replay_compensator(written, fixed, convention=known, **options)
-            if not replayed.agrees and is_default:
+            if of_run is not None and not replayed.agrees:  # another controller may have made u
+                replayed, unanswered["replay"] = None, of_run
+            elif not replayed.agrees and is_default:
                 conventions = search_signs(log, fixed, replayed, **options)
         else:
             short = f"the log of {log.steps} steps does not fill the controller's memory"

@@ -48,8 +48,9 @@ class ControlReplay(Result):
         on: the terms that u is the sum of, which may be much larger than u.
     worst_step : int
         The step with the largest difference in units of what the digits leave open there.
-    of : {"theta", "the compensator"}
-        What u was computed from.
+    of : {"theta", "the compensator", "the controller with its settings", "the logged theta"}
+        The origin of the computed u; the last one where u agrees with the settings of a run and
+        theta does not, whose differences are then given.
     tolerance : float
         The largest `worst` that counts as the same u at that step: what the roundings of the log
         leave open, carried through Phi theta; 1e-9 for a log in float64, 1e-5 where theta was

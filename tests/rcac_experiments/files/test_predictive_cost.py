@@ -2,6 +2,7 @@
 
 import copy
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -10,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
-from rcac_experiments import ExperimentBudget, json_schema, load_experiment, verify
+from rcac_experiments import ExperimentBudget, check_arguments, json_schema, load_experiment, verify
 from rcac_experiments.cli._main import main
 from rcac_experiments.explorer._case import case_of
 from rcac_experiments.files._builder import build
@@ -185,3 +186,25 @@ def test_the_published_plants_are_judged_and_saved(tmp_path):
     assert load_run(file).settings == run.settings
     tables = tomllib.loads(EXAMPLE.read_text())
     assert not list(VALIDATOR.iter_errors(tables))
+
+
+@pytest.mark.parametrize("structure", ["predictive cost", "lqg"])
+def test_a_log_of_signals_alone_is_not_replayed(structure, tmp_path):
+    """The error names the controller, and the saved run, which can be checked."""
+    file = tmp_path / "case.toml"
+    file.write_text(
+        '[plant]\nproblem = "servo"\nG = "1/(q - 9/10)"\n[controller]\n'
+        f'structure = "{structure}"\n' + "order = 1\nhorizon = 5\n" * (structure != "lqg")
+    )
+    with pytest.raises(InputError, match=f"{structure}.*saved run"):
+        check_arguments(file)
+
+
+def test_a_saved_run_is_checked_from_the_command_line(tmp_path):
+    run = build(table(), "case").main_run.execute().first.run
+    run.save(tmp_path / "run.npz")
+    result = CliRunner().invoke(main, ["check", str(tmp_path / "run.npz")])
+    assert result.exit_code != 1 and "u is the output of" in result.output
+    run = replace(run, u=run.u * np.where(np.arange(run.steps)[:, None] == 30, 1.01, 1))
+    run.save(tmp_path / "changed.npz")
+    assert CliRunner().invoke(main, ["check", str(tmp_path / "changed.npz")]).exit_code == 1
