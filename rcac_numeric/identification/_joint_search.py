@@ -65,10 +65,11 @@ def joint_costs(record: JointRecord) -> Array:
 def channel_scan(
     record: JointRecord, j: int, candidates: Sequence[Array], others: Sequence[Channel],
     noise: NoiseModel, *, count: int, delays: int, slope: bool = False, summed: bool = False,
+    weights: Array | None = None,
 ) -> DelayScan:  # fmt: skip
     """All delays of one input for some poles, the numerators of the other inputs free beside.
 
-    Missing steps of y are interpolated and do not count.
+    Missing steps of y are interpolated and do not count; `weights` are of the other steps.
     """
     top, below = noise.whitener, noise.C
     impulse = np.zeros(record.steps)
@@ -93,9 +94,9 @@ def channel_scan(
     widest = max(len(one) for one in free)
     rows = np.stack([np.pad(one, ((0, widest - len(one)), (0, 0))) for one in free])
     gap = delays + count
-    weights = None
-    if len(record.starts) > 1 or not record.observed.all():
-        weights = record.separated(record.observed.astype(np.float64), gap)
+    if weights is None and (len(record.starts) > 1 or not record.observed.all()):
+        weights = record.observed.astype(np.float64)
+    weights = None if weights is None else record.separated(weights, gap)
     y = record.separated(plain[0], gap)
     rows, driven = record.separated(rows, gap), record.separated(np.stack(driven_u), gap)
     if weights is not None:
@@ -295,6 +296,7 @@ class JointSearch:
         return channel_scan(
             self.record, j, [channel.A], others, fit.noise, count=len(channel.B),
             delays=self.delays, slope=fit.slope, summed=channel.summed,
+            weights=student_weights(self.record, fit) if fit.heavy else None,
         )  # fmt: skip
 
     def _moved(self, fit: JointFit) -> JointFit:
