@@ -225,7 +225,9 @@ def _missing(contents: LogContents, role: str, name: str, names: Names) -> str:
     used = {part for chosen in names.values() for part in _parts(chosen)}
     free = [v for v in numbers[:COMPARED] if v not in used]
     close = difflib.get_close_matches(name, free, n=1, cutoff=0.5)
-    likely = close or [v for v in free if v not in ROLES and v.lower() not in TIMES]
+    likely = close or [
+        v for v in free if v not in ROLES and v.rpartition(".")[2].lower() not in TIMES
+    ]
     hint = f" Did you mean {close[0]!r}?" if close else ""
     words = f"{contents.source} has no {name!r}, needed as {role}; it has {has}"
     if not likely:

@@ -396,6 +396,13 @@ def test_a_missing_library_of_logs_is_installed_by_their_extra(monkeypatch, tmp_
         read_log(path)
 
 
+def test_a_clock_of_a_topic_is_not_proposed_as_a_signal(tmp_path):
+    path = tmp_path / "flight.ulg"
+    path.write_bytes(ulog({"rates": {"timestamp": STAMP, "roll": U.astype("f4")}}))
+    with pytest.raises(InputError, match=r"names=\{'u': 'rates.roll'\}"):
+        read_log(path)
+
+
 if __name__ == "__main__":
     names = [*LOGS, *(f"pandas: {k}" for k in FRAMES), *(f"Octave: {k}" for k in OCTAVE)]
     print("\n".join(f"{i:3} {name}" for i, name in enumerate(names, 1)))
