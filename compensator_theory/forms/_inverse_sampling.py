@@ -371,6 +371,9 @@ class _Spectrum:
         self.variable = z = system.variable
         (p,) = over_coefficient_field(characteristic_polynomial(system.A, z))
         self.factors = [(f.monic(), int(count)) for f, count in p.factor_list()[1]]
+        n, m = system.B.shape
+        steps = (n + m) ** 2 * (n + 1) * (10 + 4 * len(self.factors))
+        ask("entries", steps, "the matrix logarithm and its certificate")
         for factor, _ in self.factors:  # what has no answer is refused before a logarithm is taken
             self._require_logarithm(factor)
         pairs = [f for f, _ in self.factors if _is_pair(f)]
