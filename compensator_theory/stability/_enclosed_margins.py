@@ -41,6 +41,7 @@ from compensator_theory.roots._independent_numbers import (
 from compensator_theory.roots._root_counts import RootCount
 from compensator_theory.stability._enclosed_norms import (
     BITS,
+    ask_for_numbers,
     narrow,
     on_the_axis,
     over_numbers,
@@ -212,6 +213,7 @@ def margins_with_exponentials(
     time = time_of(G.variable, "a margin")
     if N.degree() > D.degree():
         raise ImproperError(f"the loop {N.as_expr()} over {D.as_expr()} is improper")
+    ask_for_numbers(int(D.degree()), numbers, "the margins of a loop with exponentials")
     whole = closed_loop_of_pair(G, G_c, feedback)
     if whole.is_zero:
         raise ImproperError(

@@ -10,6 +10,7 @@ from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, NoSolutionError
 from compensator_theory.polynomials._ball_precision import at_growing_precision
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._poly import (
     canonical,
     common_divisor,
@@ -62,6 +63,7 @@ def norm_with_exponentials(
         return None
     ((system,), numbers) = found
     time = time_of(system.variable, "the H-infinity norm")
+    ask_for_numbers(int(system.order), numbers, "the norm of a plant with exponentials")
     common = common_divisor(system.numerator, system.denominator)
     N, D = (exact_quotient(p, common) for p in (system.numerator, system.denominator))
     if N.degree() > D.degree():
@@ -95,6 +97,11 @@ def norm_with_exponentials(
 
     (enclosure,) = at_growing_precision(attempt, BITS, "the H-infinity norm")
     return enclosure, numbers.meaning
+
+
+def ask_for_numbers(degree: int, numbers: IndependentNumbers, subject: str) -> None:
+    """Ask for the work on polynomials of a degree: each number more makes it some four times."""
+    ask("entries", 250 * degree**3 * 4 ** (len(numbers.meaning) - 1), subject)
 
 
 def without_meaning(obj: Any) -> Any:
