@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from compensator_theory._latex import displayed, words
 from compensator_theory.errors import CompensatorError, InputError, WrongAnswerError
 from compensator_theory.libraries import require_library
 from compensator_theory.polynomials._budget import repr_of
@@ -57,8 +58,8 @@ class Judgement(ExactValue):
         verdict = "Right" if self.is_right else "Wrong"
         return f"**{verdict}**{_escaped(str(self).removeprefix(verdict))}"
 
-    def _repr_latex_(self) -> None:
-        """None: a notebook takes the sentence."""
+    def _repr_latex_(self) -> str:
+        return displayed(words(str(self)))
 
 
 def judge(exercise: Exercise | str, answer: Any, *, draws: int = 50, seed: int = 0) -> Judgement:

@@ -1,4 +1,4 @@
-"""Textbook problems in problems.toml, each run against the answer that was worked without us."""
+"""Textbook problems with answers that were worked without us: textbook_problems.toml."""
 
 import tomllib
 from pathlib import Path
@@ -11,7 +11,7 @@ import compensator_theory as exact
 from compensator_theory.results import Enclosure
 from tests.support.exercises import equal
 
-FILE = Path(__file__).parent / "problems.toml"
+FILE = Path(__file__).parent / "textbook_problems.toml"
 PROBLEMS = [
     (kind, problem)
     for kind, problems in tomllib.loads(FILE.read_text("utf-8")).items()
