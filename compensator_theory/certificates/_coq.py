@@ -15,7 +15,7 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 from sympy.polys.rings import PolyElement, PolyRing
 
-from compensator_theory._printing import decimal, fraction_of
+from compensator_theory._printing import decimal, integer_of
 from compensator_theory._wording import printable
 from compensator_theory.certificates._records import Record, certificate_record
 from compensator_theory.certificates._signs import (
@@ -581,6 +581,12 @@ def _identifiers(names: Iterable[str], taken: frozenset[str]) -> dict[str, str]:
     return result
 
 
+def _fraction(text: str) -> Fraction:
+    """Read a fraction of whole numbers of any length."""
+    top, _, bottom = text.partition("/")
+    return Fraction(integer_of(top), integer_of(bottom or "1"))
+
+
 def _terms(read: Any, size: int) -> list[tuple[Fraction, tuple[int, ...]]]:
     """Read a polynomial of a record."""
     result = []
@@ -590,7 +596,7 @@ def _terms(read: Any, size: int) -> list[tuple[Fraction, tuple[int, ...]]]:
             raise ValueError("the exponents are not those of the symbols")
         while powers and not powers[-1]:
             powers = powers[:-1]
-        result.append((fraction_of(coefficient), powers))
+        result.append((_fraction(coefficient), powers))
     return result
 
 
@@ -604,7 +610,7 @@ def _integral(
 
 def _whole_factors(terms: Sum) -> Sum:
     """Multiply an equation with one number that makes its factors whole."""
-    factors = [fraction_of(str(c)) for c, _ in terms]
+    factors = [_fraction(str(c)) for c, _ in terms]
     scale = math.lcm(*(c.denominator for c in factors))
     return [[int(c * scale), names] for c, (_, names) in zip(factors, terms, strict=True)]
 

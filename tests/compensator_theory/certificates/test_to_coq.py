@@ -210,6 +210,14 @@ def test_the_file_says_what_it_proves():
     assert "(D *m D_c + N *m N_c = lambda *m p)%R" in rest
 
 
+def test_fractions_of_any_length_are_read():
+    long = 3**2000
+    record = definite_record([[1]])
+    record["matrices"]["M"]["entries"] = [[[f"{long}/7", [0]]]]
+    text = ct.to_coq(record)
+    assert f"term {long} [::]" in text and "M_over : polynomial := [:: term 7 [::]]" in text
+
+
 def test_names_of_symbols_cannot_break_a_file():
     plant = ct.transfer_function("1/(s - forall)", "s")
     text = ct.to_coq(ct.place_poles(plant, ["-D", "-D_over"], 1, feedback=-1))
