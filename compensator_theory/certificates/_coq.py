@@ -87,7 +87,7 @@ def to_coq(certificate: object) -> str:
     record = certificate if isinstance(certificate, dict) else certificate_record(certificate)
     try:
         with unlimited():
-            return _File(record).text()
+            return _CoqFile(record).text()
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         if isinstance(error, InputError):
             raise
@@ -115,7 +115,7 @@ class _Fractions:
     below: list[PolyElement] = field(default_factory=list)
 
 
-class _File:
+class _CoqFile:
     """The file of a record."""
 
     def __init__(self, record: Record) -> None:
