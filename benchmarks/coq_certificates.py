@@ -69,11 +69,9 @@ def cases(n: int, draw: random.Random) -> dict[str, str]:
         digits = 2 * BITS // n + 1
         stable *= flint.fmpz_poly([draw.randrange(1, 1 << digits) for _ in range(3)])
     coefficients = [int(c) for c in stable.coeffs()]
-    small = [[sympy.Rational(e, 1 << BITS) for e in row] for row in G]
-    plant = ct.transfer_function(
-        zeros=[small[0][k] for k in range(n - 1)], poles=[small[-1][k] for k in range(n)],
-        variable="s",
-    )  # fmt: skip
+    s = sympy.Symbol("s")
+    N = sum(G[0][k] * s**k for k in range(n))
+    plant = (N, 2 ** (BITS - 1) * s**n + sum(G[-1][k] * s**k for k in range(n)))
     poles = [-1 - sympy.Rational(k, 2) for k in range(2 * n - 1)]
     return {
         "placement": ct.to_coq(ct.place_poles(plant, poles, feedback=-1)),
