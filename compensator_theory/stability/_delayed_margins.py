@@ -10,10 +10,8 @@ import flint
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
-from compensator_theory import figures
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
-from compensator_theory._showing import picture_of
 from compensator_theory.errors import InputError
 from compensator_theory.loops._siso import LoopPart, read_loop
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
@@ -165,37 +163,6 @@ class DelayedStabilityMargins(PhaseMargins, ExactValue):
         if not self.is_stable:
             return None
         return nearest([(c.delay, c.frequency) for c in self.gain_crossovers])
-
-    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
-        """Draw Nyquist's curve and Bode's plot of L, the margins marked.
-
-        Parameters
-        ----------
-        view : {"all", "nyquist", "bode"}
-            One of them, or both.
-        ax : matplotlib Axes or sequence of Axes, optional
-            Where it is drawn instead of in a new figure, as in :meth:`StabilityMargins.plot`.
-        width : float
-            Of the figure in inches.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Not attached to a window.
-
-        Raises
-        ------
-        InputError
-            If the view is none of these, or `ax` has not as many axes.
-
-        Examples
-        --------
-        >>> from compensator_theory import stability_margins
-        >>> figure = stability_margins("exp(-s)/s", feedback=-1).plot("bode")
-        >>> [axis.get_title() for axis in figure.axes]
-        ['gain margin 1.57 at 1.57', 'phase margin 32.7 degrees at 1']
-        """
-        return picture_of(self, view=view, **options)
 
     def __str__(self) -> str:
         verdict = "stable"

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import flint
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
-from compensator_theory import figures
 from compensator_theory._latex import displayed, latex, words
-from compensator_theory._showing import picture_of
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops._siso import LoopPart, closed_loop_of_pair, read_loop
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
@@ -282,39 +280,6 @@ class StabilityMargins(CountedLoop, PhaseMargins, ExactValue):
         if not self.is_stable:
             return None
         return SymmetricDiskMargin(self.numerator, self.denominator)
-
-    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
-        """Draw Nyquist's curve and Bode's plot of L, the margins marked.
-
-        Parameters
-        ----------
-        view : {"all", "nyquist", "bode"}
-            One of them, or both.
-        ax : matplotlib Axes or sequence of Axes, optional
-            Where it is drawn instead of in a new figure: one pair of axes for Nyquist's curve, two
-            for Bode's plot, three for both.
-        width : float
-            Of the figure in inches; 3.5 fits the column of a journal.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Not attached to a window.
-
-        Raises
-        ------
-        InputError
-            If the view is none of these, `ax` has not as many axes, or the figure is narrower than
-            3 inches.
-
-        Examples
-        --------
-        >>> from compensator_theory import stability_margins
-        >>> figure = stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1).plot("bode")
-        >>> [axis.get_title() for axis in figure.axes]
-        ['gain margin 3 at 2.24', 'phase margin 25.4 degrees at 1.23']
-        """
-        return picture_of(self, view=view, **options)
 
     def __str__(self) -> str:
         verdict = "stable" if self.is_stable else f"not stable ({self.closed_loop})"

@@ -6,13 +6,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import flint
 import sympy
 from sympy import Expr, Poly, Rational
 
+from compensator_theory import figures
 from compensator_theory._latex import displayed, latex
+from compensator_theory._showing import picture_of
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._values import ExactValue
@@ -170,7 +172,7 @@ def nearest_gain(end: Expr, crossings: Iterable[Crossing], *, up: bool) -> Margi
 
 
 class PhaseMargins:
-    """The phase margins that loops with and without a dead time have in common."""
+    """The phase margins and the pictures that all loops have in common."""
 
     def _phase(self, *, lead: bool) -> Margin | None:
         """The least lag or lead that ends stability; None for an unstable loop."""
@@ -193,6 +195,39 @@ class PhaseMargins:
         if lag is None or lead is None:
             return None
         return lead if bool(float(lead.value) < float(lag.value)) else lag
+
+    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
+        """Draw Nyquist's curve and Bode's plot of L, the margins marked.
+
+        Parameters
+        ----------
+        view : {"all", "nyquist", "bode"}
+            One of them, or both.
+        ax : matplotlib Axes or sequence of Axes, optional
+            Where it is drawn instead of in a new figure: one pair of axes for Nyquist's curve, two
+            for Bode's plot, three for both.
+        width : float
+            Of the figure in inches; 3.5 fits the column of a journal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window.
+
+        Raises
+        ------
+        InputError
+            If the view is none of these, `ax` has not as many axes, or the figure is narrower than
+            3 inches.
+
+        Examples
+        --------
+        >>> from compensator_theory import stability_margins
+        >>> figure = stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1).plot("bode")
+        >>> [axis.get_title() for axis in figure.axes]
+        ['gain margin 3 at 2.24', 'phase margin 25.4 degrees at 1.23']
+        """
+        return picture_of(self, view=view, **options)
 
 
 def nearest_phase(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from compensator_theory.results import DelayedStabilityMargins
+from compensator_theory.results import DelayedStabilityMargins, EnclosedStabilityMargins
 from compensator_theory.stability._margins import StabilityMargins
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.analysis._disk import DiskMargin
@@ -64,9 +64,10 @@ class LoopCurve:
     disk: float | None
 
 
-def plot_stability_margins(
-    margins: StabilityMargins | DelayedStabilityMargins, view: str = "all", **options: Any
-) -> Figure:
+ExactMargins = StabilityMargins | DelayedStabilityMargins | EnclosedStabilityMargins
+
+
+def plot_stability_margins(margins: ExactMargins, view: str = "all", **options: Any) -> Figure:
     """Draw a loop with its exact margins, as `StabilityMargins.plot` says."""
     return plot_loop(exact_curve(margins), view, **options)
 
@@ -260,9 +261,13 @@ def _frequencies(curve: LoopCurve) -> Any:
     return np.unique(np.concatenate([*parts, np.array(inside, dtype=float)]))
 
 
-def exact_curve(margins: StabilityMargins | DelayedStabilityMargins) -> LoopCurve:
+def exact_curve(margins: ExactMargins) -> LoopCurve:
     """The curve of exact margins, rounded once."""
-    N, D = ([float(c) for c in p.all_coeffs()] for p in (margins.numerator, margins.denominator))
+    numbers = margins.exponentials if isinstance(margins, EnclosedStabilityMargins) else ()
+    N, D = (
+        [float(c.subs(numbers)) for c in p.all_coeffs()]
+        for p in (margins.numerator, margins.denominator)
+    )
     discrete = margins.time == "discrete"
     late = float(margins.dead_time) if isinstance(margins, DelayedStabilityMargins) else 0.0
 
@@ -274,7 +279,7 @@ def exact_curve(margins: StabilityMargins | DelayedStabilityMargins) -> LoopCurv
     gains = [(float(c.frequency), c) for c in margins.gain_crossovers]
     turns = [(float(c.frequency), c) for c in margins.phase_crossovers if c.frequency is not None]
     ends: list[tuple[float, float]] = []
-    if isinstance(margins, DelayedStabilityMargins):
+    if isinstance(margins, DelayedStabilityMargins | EnclosedStabilityMargins):
         nearest = [margins.gain_down, margins.gain_up] if margins.is_stable else []
         ends = [
             (float(margin.frequency), float(margin.value))

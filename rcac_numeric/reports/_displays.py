@@ -11,6 +11,7 @@ from compensator_theory import figures
 from compensator_theory.errors import InputError
 from compensator_theory.responses._time_responses import TimeResponse
 from compensator_theory.stability._delayed_margins import DelayedStabilityMargins
+from compensator_theory.stability._enclosed_margins import EnclosedStabilityMargins
 from compensator_theory.stability._margins import StabilityMargins
 from compensator_theory.stability._root_locus import RootLocus
 from compensator_theory.systems._delayed_transfer_functions import DelayedTransferFunction
@@ -23,7 +24,7 @@ from rcac_numeric.reports._svg import svg_of
 
 def picture_of(result: object, **options: Any) -> figures.Figure:
     """Return the figure of an exact result; an entry point names this function."""
-    if isinstance(result, StabilityMargins | DelayedStabilityMargins):
+    if isinstance(result, StabilityMargins | DelayedStabilityMargins | EnclosedStabilityMargins):
         from rcac_numeric.plots._margins import plot_stability_margins
 
         return plot_stability_margins(result, **options)

@@ -8,8 +8,7 @@ PICTURES = {
     "compensator_theory.responses._time_responses.TimeResponse.plot",
     "compensator_theory.systems._transfer_functions.TransferFunction.plot",
     "compensator_theory.systems._delayed_transfer_functions.DelayedTransferFunction.plot",
-    "compensator_theory.stability._delayed_margins.DelayedStabilityMargins.plot",
-    "compensator_theory.stability._margins.StabilityMargins.plot",
+    "compensator_theory.stability._nearest_margins.PhaseMargins.plot",
     "compensator_theory.stability._root_locus.RootLocus.plot",
 }
 """Examples that ask rcac_numeric, which needs NumPy, to draw."""
