@@ -48,7 +48,7 @@ from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.controllers._structure import Structure
-from rcac_numeric.engine._compatibility import command_position, controllers_of
+from rcac_numeric.engine._compatibility import AnyController, command_position, controllers_of
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._functions import FunctionPlant
@@ -109,6 +109,8 @@ class ControllerCheck(Result):
         programs by which it is.
     run : Run or None
         The run, where the log is that of one with its own plant.
+    settings : ControllerSettings, FixedController or another controller, or None
+        Those of a run, where no structure or compensator is given beside it.
     certified : CertifiedTail or str
         From which step on the loop of the logged theta and the plant is proved stable while theta
         moves (`certified_from`), or why that was not evaluated; computed on demand.
@@ -134,6 +136,7 @@ class ControllerCheck(Result):
     decision: Decision | str | None = None
     conventions: ConventionSearch | None = None
     run: Run | None = None
+    settings: AnyController | None = None
 
     @property
     def plant(self) -> Plant | None:
@@ -438,6 +441,7 @@ def check_controller(
     return ControllerCheck(
         log, structure, fixed, target, analysis, replayed, drift, residual, costs, margins, disk,
         unanswered, is_fixed, conventions=conventions, run=run,
+        settings=None if own is None else own.settings,
     )  # fmt: skip
 
 

@@ -19,8 +19,17 @@ from rcac_numeric.checks._check import ControllerCheck
 from rcac_numeric.checks._health import DRIFT, HealthWarning, LoopHealth
 from rcac_numeric.checks._target_errors import TURNED, target_errors, zeros_of
 from rcac_numeric.checks._trials import pole_remedy
-from rcac_numeric.checks._warnings import OTHER_SIGN, RULES, Finding, warning_of
+from rcac_numeric.checks._warnings import (
+    OTHER_SIGN,
+    RULES,
+    Finding,
+    Kind,
+    kind_of,
+    order_of,
+    warning_of,
+)
 from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._gain_schedule import GainSchedule
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import SupervisionRecord
 from rcac_numeric.engine._runs import Run
@@ -50,6 +59,7 @@ T = TypeVar("T")
 def warnings_of_run(health: LoopHealth, analysis: LoopAnalysis) -> tuple[HealthWarning, ...]:
     """Every warning of a run, the grave ones first."""
     run = analysis.run
+    kind, order = kind_of(run.settings), order_of(getattr(run.settings, "structure", None))
     is_fixed = isinstance(run.settings, FixedController)
     errors = _of_target(target_errors, analysis)
     learnt, directed = learning_warnings(run), _of_target(direction_errors, analysis)
@@ -71,7 +81,7 @@ def warnings_of_run(health: LoopHealth, analysis: LoopAnalysis) -> tuple[HealthW
     )
     zeros = _of_target(sampling_zero_remedies, analysis)
     warnings = [
-        warning_of(finding, remedies, zeros, is_fixed=is_fixed)
+        warning_of(finding, remedies, zeros, kind=kind, order=order)
         for rule in rules
         for finding in rule
     ]
@@ -154,7 +164,11 @@ def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[Healt
         warnings.append(("inconsistent log", numbers))
     if check.drift is not None and check.drift.relative > UNSETTLED:
         warnings.append(("unsettled", {"moved": check.drift.relative}))
-    return _by_gravity([warning_of(one, is_fixed=check.is_fixed) for one in warnings])
+    kind: Kind = "fixed" if check.is_fixed else "RCAC"
+    if check.settings is not None:
+        kind = kind_of(check.settings)
+    order = order_of(check.structure)
+    return _by_gravity([warning_of(one, kind=kind, order=order) for one in warnings])
 
 
 def _ended_badly(run: Run) -> Iterator[Finding]:
@@ -179,7 +193,7 @@ def _transients(health: LoopHealth, run: Run) -> Iterator[Finding]:
         return
     from_outside = max(_peak(run.w), _peak(run.x_0), z.before.peak if z.before else 0.0)
     scale = max(from_outside, z.late.peak, health.free.peak if health.free else 0.0)
-    when = "Under control" if isinstance(run.settings, FixedController) else "While theta adapted"
+    when = "Under control" if kind_of(run.settings) == "fixed" else "While theta adapted"
     if scale and z.after.peak > TRANSIENT * scale:
         is_grave = z.after.peak > GRAVE * scale or not _ends_well(health)
         peak = z.after.peak
@@ -331,6 +345,7 @@ def _learning(health: LoopHealth, run: Run) -> Iterator[Finding]:
         yield "no excitation", {}
     if (
         run.settings.l_theta
+        and not isinstance(run.settings, GainSchedule)  # whose theta is the scheduling variable
         and run.stride == 1
         and run.outcome == "completed"
         and len(run.theta) > 1

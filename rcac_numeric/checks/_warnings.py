@@ -10,6 +10,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rcac_numeric.checks._health import HealthWarning
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._predictive_cost import PredictiveCost
+from rcac_numeric.controllers._stepwise import StepwiseController
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.engine._compatibility import AnyController
 
 # A key of `RULES`, and the numbers of its sentence. `is_grave` and `next_step` among them override
 # those of the rule.
@@ -29,6 +34,8 @@ class Rule:
         Whether the loop cannot be used as it is.
     fixed : str
         The next step for a controller that does not adapt: it has no R_theta, no k_w, no G_f.
+    predictive : str
+        The next step for predictive cost adaptive control, which has no k_w, no n_c, no G_f.
     first : str
         Remedies from the evidence that precede `steps`: none; those of errors in the target
         model; or also that of sampling zeros, which a larger R_theta may make worse.
@@ -40,10 +47,14 @@ class Rule:
     steps: tuple[str, ...] = ()
     is_grave: bool = False
     fixed: str = ""
+    predictive: str = ""
     first: Literal["", "errors", "sampling zeros"] = ""
     by_settings: bool = False
 
 
+Kind = Literal["RCAC", "PCAC", "fixed"]
+MODEL = "a larger order (it covers the plant with its dead time), a longer horizon, or a larger R"
+LIMITS = "limits=ControlLimits(...), a larger R, or a theta_0 nearer to the plant"
 SOFTER = "a larger R_theta (100 times), or a later k_w"
 SIGN = "the sign of H and d_zu"
 SATURATION = "a saturation of u, handed over as u_applied"
@@ -67,11 +78,13 @@ DIRECTIONS = ('zero_direction_target(plant), in a file model = "zero directions"
 # The code of a warning is the part of the key before the colon.
 RULES = {
     "diverged": Rule(
-        ENDED, (SOFTER, SIGN), is_grave=True, fixed=FIXED_SIGN, first="errors", by_settings=True
+        ENDED, (SOFTER, SIGN), is_grave=True, fixed=FIXED_SIGN, predictive=MODEL, first="errors",
+        by_settings=True,
     ),
     "diverged: overflow": Rule(
         ENDED, ("lambda = 1, or a reset: P grows in directions without excitation",),
-        is_grave=True, fixed=FIXED_SIGN, by_settings=True,
+        is_grave=True, fixed=FIXED_SIGN, predictive="lambda = 1, or a larger R_theta",
+        by_settings=True,
     ),
     "diverged: unsupported R_theta": Rule(
         ENDED, ("a larger R_theta: this one is too small for the data",),
@@ -79,7 +92,7 @@ RULES = {
     ),
     "diverged: plant not finite": Rule(
         ENDED, ("smaller commands, or a saturation of u: the plant left float64",),
-        is_grave=True, fixed=FIXED_SIGN, by_settings=True,
+        is_grave=True, fixed=FIXED_SIGN, predictive=LIMITS, by_settings=True,
     ),
     "diverged: interrupted": Rule(ENDED, ("run it again",), by_settings=True),
     "diverged: plant failed": Rule(
@@ -91,24 +104,27 @@ RULES = {
     "unstable": Rule(
         "With the final controller fixed, the closed loop is unstable, spectral radius "
         "{radius:.6g}.",
-        (SOFTER, SIGN, "a larger n_c", "more steps"),
-        is_grave=True, fixed=f"its sign, u = G_c y, and the plant's; then {OTHER}",
+        (SOFTER, SIGN, "{order}", "more steps"),
+        is_grave=True, predictive=f"more steps; then {MODEL}",
+        fixed=f"its sign, u = G_c y, and the plant's; then {OTHER}",
         first="errors", by_settings=True,
     ),
     "large transient": Rule(
         "{when} |z| reached {peak:.3g}, {times:.2g} times the largest of w, x(0), z with u = 0 and "
         "z at the end.",
-        (SOFTER, SATURATION), fixed=f"{SATURATION}; then {OTHER}",
+        (SOFTER, SATURATION), predictive=LIMITS, fixed=f"{SATURATION}; then {OTHER}",
         first="sampling zeros", by_settings=True,
     ),
     "large control": Rule(
         "|u| reached {peak:.3g}; u = {scale:.2g} would move z in one step by the size of w and z.",
-        (SOFTER, SATURATION, "a weight R_u"), fixed=f"{SATURATION}; then {OTHER}",
+        (SOFTER, SATURATION, "a weight R_u"), predictive=LIMITS,
+        fixed=f"{SATURATION}; then {OTHER}",
         first="sampling zeros", by_settings=True,
     ),
     "worse than without control": Rule(
         "At the end the rms of z is {late:.3g}; with u = 0 it is {free:.3g}.",
-        (f"{SIGN}, a larger n_c, a larger R_theta",), fixed=FIXED_SIGN, by_settings=True,
+        (f"{SIGN}, {{order}}, a larger R_theta",), fixed=FIXED_SIGN, predictive=MODEL,
+        by_settings=True,
     ),
     "windup": Rule(f"The {NEXT_DISTURBANCE}", (DITHER,)),
     "windup: P grew": Rule(
@@ -124,7 +140,7 @@ RULES = {
     "costly": Rule(
         "For the noise of the run, the cost of the final controller is {ratio:.3g} times the LQG "
         "cost.",
-        ("more steps, a larger n_c, another R_theta",),
+        ("more steps, {order}, another R_theta",), predictive=f"more steps; then {MODEL}",
         fixed="lqg_controller(plant), which has the least cost", by_settings=True,
     ),
     "rounding": Rule(
@@ -143,7 +159,8 @@ RULES = {
     ),
     "small margins": Rule(
         "The margins{at} are small: {margins}.",
-        ("a larger R_theta or a weight R_u, a larger n_c",), fixed=OTHER, by_settings=True,
+        ("a larger R_theta or a weight R_u, {order}",), fixed=OTHER, predictive=MODEL,
+        by_settings=True,
     ),
     "saturated": Rule(
         "In {share:.0%} of the last tenth of the steps the actuator did not apply u.",
@@ -160,17 +177,20 @@ RULES = {
     "unsettled": Rule(
         "theta still moved by {moved:.2g} of its size in the last tenth of the steps; the results "
         "for the final controller hold for the last step only.",
-        ("more steps, a larger R_theta, or lambda = 1",),
+        ("more steps, a larger R_theta, or lambda = 1",), fixed="more steps",
+        predictive="more steps, a larger R_theta, or lambda = 1",
     ),
     "slow": Rule(
         "The slowest mode has a time constant of {decay:.3g} steps; the record has {steps} steps.",
         ("more steps, a target with faster poles, a smaller R_theta",),
         fixed="more steps; a controller with faster closed-loop poles",
+        predictive="more steps, a smaller R",
     ),
     "inconsistent log": Rule(
         "The logged u is not the output of the logged controller.",
         ("the structure, k_w, --k-c and the columns of the log",), is_grave=True,
         fixed="its transfer function and sign, u = G_c y, its inputs, and the columns of the log",
+        predictive="the run as it was saved: its u, y, theta or settings were changed since",
     ),
     # For a controller that is driven step by step.
     "overflow": Rule(
@@ -232,22 +252,38 @@ RULES = {
 }  # fmt: skip
 
 
+def kind_of(settings: AnyController) -> Kind:
+    """Return which settings a controller has: those of RCAC, of PCAC, or none that adapt."""
+    if isinstance(settings, PredictiveCost):
+        return "PCAC"
+    return "fixed" if isinstance(settings, FixedController | StepwiseController) else "RCAC"
+
+
+def order_of(structure: Structure | None) -> str:
+    """Return the remedy for too few coefficients; a PID controller has no order n_c."""
+    if structure is not None and structure.name.startswith("PID"):
+        return "a structure with more coefficients, iir(n_c)"
+    return "a larger n_c"
+
+
 def warning_of(
     finding: Finding,
     errors: Sequence[str] = (),
     sampling_zeros: Sequence[str] = (),
     *,
-    is_fixed: bool = False,
+    kind: Kind = "RCAC",
+    order: str = "a larger n_c",
 ) -> HealthWarning:
-    """Return the warning of a finding, with the remedies that the evidence names."""
+    """Return the warning of a finding, with the remedies that the evidence and the kind name."""
     key, numbers = finding
     rule = RULES[key]
     named = {"": (), "errors": errors, "sampling zeros": (*sampling_zeros, *errors)}[rule.first]
-    steps = [*named, *(step.format_map(numbers) for step in rule.steps)]
+    steps = [*named, *(step.format_map({"order": order, **numbers}) for step in rule.steps)]
+    of_kind = {"RCAC": "", "PCAC": rule.predictive, "fixed": rule.fixed}[kind]
     if "next_step" in numbers:
         steps = [numbers["next_step"]]
-    elif is_fixed and rule.fixed:
-        steps = [rule.fixed]
+    elif of_kind:
+        steps = [of_kind]
     return HealthWarning(
         key.partition(":")[0],
         rule.sentence.format_map(numbers),
