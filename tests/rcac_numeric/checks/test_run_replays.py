@@ -165,9 +165,11 @@ def test_a_changed_theta_of_predictive_cost_is_found(data):
 
 @given(data=st.data())
 @settings(max_examples=5)
-def test_a_replay_repeats_the_bits(data):
-    run, _ = data.draw(runs(data.draw(st.sampled_from([*KINDS]))))
-    if not run.steps or isinstance(run.settings, rn.ControllerSettings):
+def test_the_kernel_repeats_its_bits(data):
+    """The kinds whose u is compiled and not that of one logged theta."""
+    compiled = ("two RCAC", "two RCAC of one u", "fixed", "fixed within a rate")
+    run, _ = data.draw(runs(data.draw(st.sampled_from(compiled))))
+    if not run.steps:
         return
     assert rn.check_controller(run).replay.worst == 0.0
 
@@ -204,3 +206,11 @@ def test_an_indirect_controller_is_refused_by_name():
     run = rn.simulate(plant, controller, rn.exogenous([rn.Step(), rn.Step(0), rn.Step(0)], 50))
     with pytest.raises(InputError, match="IndirectSettings"):
         rn.check_controller(run)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-9, float("nan")])
+def test_a_tolerance_that_is_none_is_refused(tolerance):
+    plant = rn.standard_plant("1/(q - 0.9)")
+    run = rn.simulate(plant, rn.PredictiveCost(1, 5), [[1.0]] * 20)
+    with pytest.raises(InputError, match="tolerance"):
+        rn.check_controller(run, tolerance=tolerance)
