@@ -179,7 +179,7 @@ class LogSearch:
         if self.search.is_closed:
             self._require_excitation()
         fit = self.search.fits[0]
-        require_effect(effect_gate(self.search, fit))
+        require_effect(effect_gate(self.search, fit), self.search)
 
     def _require_excitation(self) -> None:
         """Raise an error where u follows from y alone."""

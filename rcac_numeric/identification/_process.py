@@ -13,6 +13,8 @@ from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._validation import integer, number
 from rcac_numeric.identification._box_jenkins import DIFFERENCE, ProcessFit, residual_of
+from rcac_numeric.identification._joint_records import inputs_of, joint_record
+from rcac_numeric.identification._joint_stability import OPEN_LIMIT, unstable_root
 from rcac_numeric.identification._process_evidence import (
     Gate,
     bandwidth,
@@ -224,7 +226,7 @@ def identify_process(
     search = search_of(u, y, known)
     fit = search.fits[0]
     effect = effect_gate(search, fit)
-    require_effect(effect)
+    require_effect(effect, search)
     gates = (effect, *gates_without_controller(search, fit), gain_gate(search, fit))
     return process_model(search, fit, (*gates, sign_gate(search, fit, bandwidth(fit) / 3)), period)
 
@@ -268,12 +270,22 @@ def search_of(
     return direct
 
 
-def require_effect(effect: Gate) -> None:
-    """Raise an error where y does not respond to u."""
-    if not effect.passed:
+def require_effect(effect: Gate, search: ProcessSearch) -> None:
+    """Raise an error where y does not respond to u, or grows by itself."""
+    if effect.passed:
+        return
+    record = search.record
+    inputs = inputs_of(record.u[:, None], (0,))
+    with np.errstate(all="ignore"):
+        root = unstable_root(joint_record(inputs, record.y, "y"), OPEN_LIMIT)
+    if root is not None and not search.is_closed:
         raise UndecidedError(
-            f"the record shows no effect of u on y: {effect.words}. {effect.advice}"
+            "the plant seems unstable, in an open loop: a long regression of y on its past and "
+            f"that of u has a root of modulus {abs(root):.4g}, outside the unit circle, and y "
+            "grows whatever u does. Stabilise it by any controller, move the command or add a "
+            "dither to u, and record that loop."
         )
+    raise UndecidedError(f"the record shows no effect of u on y: {effect.words}. {effect.advice}")
 
 
 def gates_without_controller(search: ProcessSearch, fit: ProcessFit) -> tuple[Gate, ...]:

@@ -327,6 +327,16 @@ def test_noise_through_a_controller_shows_no_open_loop(seed, noise, hold, direct
 
 
 @pytest.mark.costly
+@pytest.mark.parametrize("pole", [1.05, 1.1])
+def test_an_unstable_plant_without_controller_is_named(pole):
+    rng = np.random.default_rng(2)
+    u = rng.choice([-1.0, 1.0], 60).repeat(5)
+    y = lfilter([0, 0.3], [1, -pole], u) + 0.1 * rng.standard_normal(300)
+    with pytest.raises(UndecidedError, match=r"unstable, in an open loop.*record that loop"):
+        identify_process(u, y)
+
+
+@pytest.mark.costly
 def test_y_of_two_rows_later_is_refused():
     rng = np.random.default_rng(1)
     rng.standard_normal(1500)
