@@ -1,7 +1,7 @@
 """Certified sets: ellipsoids of several inputs, gains beside theta, peaks, dependent regressors."""
 
 from hypothesis import strategies as st
-from sympy import I, Matrix, Poly, Rational, Symbol, diag, expand, eye, zeros
+from sympy import Expr, I, Matrix, Poly, Rational, Symbol, diag, expand, eye, zeros
 
 from compensator_theory import TransferFunction, decide_simultaneous_stabilisability
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
@@ -122,6 +122,25 @@ def dependent_directions_keep_the_poles(
     return bool(
         characteristic_polynomial(T * moved * T.inv(), q) == characteristic_polynomial(A, q)
     )
+
+
+@for_all(
+    A=matrices(2, 2),
+    B=matrices(2, 1),
+    C=matrices(2, 2),
+    D=matrices(2, 1),
+    place=st.sampled_from([1, -1, I, (3 + 4 * I) / 5]),
+)
+def certificate_bounds_the_gain(A: Matrix, B: Matrix, C: Matrix, D: Matrix, place: Expr) -> bool:
+    """Where P = I makes the matrix of the bounded real lemma definite for W = I and S = 1/2, the
+    square of the length of T(z) is at most 1/2 on the unit circle.
+    """
+    A, B, C, D = (_small(M, Rational(1, 4)) for M in (A, B, C, D))
+    rows, outputs = A.row_join(B), C.row_join(D)
+    if not _is_definite(diag(1, 1, Rational(1, 2)) - rows.T * rows - outputs.T * outputs):
+        return False  # it is, by the sizes chosen
+    response = C * (place * eye(2) - A).inv() * B + D
+    return bool(expand((response.H * response)[0], complex=True) <= Rational(1, 2))
 
 
 gains = st.integers(-9, 9).filter(bool).map(lambda i: Rational(i, 2))

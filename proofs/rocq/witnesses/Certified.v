@@ -5,7 +5,7 @@ From mathcomp Require Import all_real_closed all_field.
 From Compensators.foundations Require Import Vocabulary PositiveDefinite SmallSystems.
 From Compensators.theorems Require ForwardConvergence SmallGain MovingGains PeakBounds YoulaKucera.
 From Compensators.theorems Require StableProperFunctions SimultaneousStabilisation StabilisingMatrices.
-From Compensators.theorems Require Lyapunov SemidefiniteMatrices.
+From Compensators.theorems Require Lyapunov SemidefiniteMatrices GainOnTheCircle.
 From Compensators.theorems Require Import HighAuthorityPoles.
 From Compensators.witnesses Require Import Satisfiable Placement Circle Stability.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
@@ -172,3 +172,11 @@ Proof. by move=> absurd; apply: (absurd [numClosedFieldType of algC] 1%N 0); app
 
 Lemma positive_real_by_bounded_real : ltac:(can_be_met (@SemidefiniteMatrices.positive_real_by_bounded_real)).
 Proof. by move=> absurd; apply: (absurd [numClosedFieldType of algC] 1%N 0); rewrite add0r unitmx1. Qed.
+
+Lemma bounded_real_bounds_the_gain : ltac:(can_be_met (@GainOnTheCircle.bounded_real_bounds_the_gain)).
+Proof.
+move=> absurd; apply: (absurd [rcfType of realalg] 1%N 1%N 1%N 1%:M 0 0 0 0 1%:M 1%:M 0 0 0 0).
+- exact/nothing_dissipates/one_semidefinite.
+- by rewrite normr0 expr0n rmorph0.
+by rewrite scaler0 !mulmx0 addr0.
+Qed.
