@@ -227,7 +227,7 @@ class _CoqFile:
         lines = [self._comment([(name, words) for name, words, _ in theorems]), _HEAD]
         powers = _comment_text(", ".join(self.symbols))
         lines.append(
-            f"(* The data: a polynomial is its terms, a coefficient and the exponents of {powers};\n"
+            f"(* A polynomial is its terms, each a coefficient and the exponents of {powers};\n"
             "   long numbers are hexadecimal. *)"
         )
         if self.modulus:
