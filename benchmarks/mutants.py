@@ -63,7 +63,7 @@ def changed(node: ast.AST) -> tuple[str, Any] | None:
         case ast.Constant(value=int(value)):
             return "value", value + 1
         case ast.Constant(value=float(value)):
-            return "value", 1 - value if 0 < value < 1 else 2 * value + 1
+            return "value", 1 - value if 0 < value < 1 and value != 0.5 else 2 * value + 1
     return None
 
 

@@ -1,29 +1,37 @@
-"""Which small errors in the modules of the central verbs the tests find, verb by verb.
+"""Which small errors in the functions of the central verbs the tests find, verb by verb.
 
-Run with: python benchmarks/verb_mutants.py [COUNT] [SEED] [VERB ...]
+Run with: python benchmarks/verb_mutants.py [VERB ...]  all that is judged: before a release
+          python benchmarks/verb_mutants.py --share 1 [VERB ...]  every mutant of the verbs
+          python benchmarks/verb_mutants.py --lot 12345           a few, drawn with the seed
 
-Of each verb of VERBS, COUNT mutants of its own modules are drawn with the seed: one comparison,
-sign, connective, condition or number in the body of a function is another, as in mutants.py. Its
-tests are collected and run once, traced, so that each mutant meets the tests alone that reach its
-line, the quickest first, in a fork whose functions are changed in place. It is killed where one of
-them fails or they do not come to an end. What lives is printed: a missing test, or a change that
-changes nothing. Tests that start a process of their own do not see the mutant.
+central_verbs.toml lists the verbs, the functions that make their answers, and their tests. In a
+mutant one comparison, sign, connective, condition or number of such a function is another, as in
+mutants.py. The tests are run once, traced, so that each mutant meets the tests alone that reach its
+line, the quickest first, in a fork whose functions are changed in place. A mutant is killed if one
+of them fails or if they take five times their processor time. A mutant that lives and has no reason
+in central_verbs.toml is an error (exit status 1): a missing test, or a change that changes no
+answer, which is then listed. Tests that start a process of their own do not see the mutant.
 """
 
 from __future__ import annotations
 
+import argparse
 import ast
+import ctypes
 import gc
+import math
 import os
 import pickle
 import random
 import signal
 import sys
 import time
+import tomllib
 import traceback
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from functools import partial
+from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from types import CodeType, FunctionType
@@ -31,53 +39,14 @@ from typing import Any
 
 import pytest
 from coverage import Coverage
-from mutants import ROOT, mutated, parts, places
+from mutants import ROOT, changed, mutated, parts, places
 
-CT, RN = "compensator_theory", "rcac_numeric"
-# A verb, its own modules, and the folders of its tests; the modules' doctests are run in any case.
-VERBS: dict[str, tuple[list[str], list[str]]] = {
-    "place_poles": ([f"{CT}/placement/_pole_placement", f"{CT}/placement/_solutions"],
-                    [f"{CT}/placement", f"{CT}/exercises"]),
-    "stabilising_compensators": ([f"{CT}/placement/_stabilising_compensators"],
-                                 [f"{CT}/placement", f"{CT}/exercises"]),
-    "transfer_function": ([f"{CT}/systems/_conversions", f"{CT}/systems/_transfer_functions"],
-                          [f"{CT}/systems", f"{CT}/bezout", f"{CT}/roots"]),
-    "realisation": ([f"{CT}/systems/_canonical_forms", f"{CT}/systems/_realisations"],
-                    [f"{CT}/systems", f"{CT}/bezout", f"{CT}/roots"]),
-    "bezout_identity": ([f"{CT}/bezout/_common_factors", f"{CT}/bezout/_sylvester"],
-                        [f"{CT}/systems", f"{CT}/bezout", f"{CT}/roots"]),
-    "decide_stability": ([f"{CT}/roots/_stability"],
-                         [f"{CT}/systems", f"{CT}/bezout", f"{CT}/roots"]),
-    "smith_form": ([f"{CT}/forms/_equivalence", f"{CT}/forms/_smith_mcmillan"],
-                   [f"{CT}/forms"]),
-    "solve_diophantine": ([f"{CT}/forms/_polynomial_equations"], [f"{CT}/forms"]),
-    "observer_forms": ([f"{CT}/observers/_enumeration", f"{CT}/observers/_form"],
-                       [f"{CT}/observers"]),
-    "observer_based_compensator": ([f"{CT}/observers/_design", f"{CT}/observers/_gains"],
-                                   [f"{CT}/observers"]),
-    "lqg_poles": ([f"{CT}/lqg/_poles", f"{CT}/lqg/_controllers"], [f"{CT}/lqg"]),
-    "solve_riccati": ([f"{CT}/lqg/_riccati"], [f"{CT}/lqg"]),
-    "stability_conditions": ([f"{CT}/stability/_conditions"], [f"{CT}/stability"]),
-    "stability_margins": ([f"{CT}/stability/_margins"], [f"{CT}/stability"]),
-    "feedforward, pid, iir": ([f"{RN}/controllers/_kinds"],
-                              [f"{RN}/controllers", f"{RN}/engine"]),
-    "ControllerSettings": ([f"{RN}/controllers/_settings", f"{RN}/controllers/_structure"],
-                           [f"{RN}/controllers", f"{RN}/engine"]),
-    "simulate": ([f"{RN}/engine/_simulation", f"{RN}/engine/_run", f"{RN}/engine/_runs"],
-                 [f"{RN}/controllers", f"{RN}/engine"]),
-    "Controller.step": ([f"{RN}/engine/_controller", f"{RN}/engine/_states"],
-                        [f"{RN}/controllers", f"{RN}/engine"]),
-    "check_controller": ([f"{RN}/checks/_check"], [f"{RN}/checks"]),
-    "loop_health": ([f"{RN}/checks/_diagnosis", f"{RN}/checks/_rules"], [f"{RN}/checks"]),
-    "compare_exactly": ([f"{RN}/analysis/_exact_comparison", f"{RN}/analysis/_loop_analysis"],
-                        [f"{RN}/analysis"]),
-    "lqg": ([f"{RN}/analysis/_lqg", f"{RN}/analysis/_equations"], [f"{RN}/analysis"]),
-    "h2_cost": ([f"{RN}/analysis/_costs"], [f"{RN}/analysis"]),
-    "numeric stability_margins": ([f"{RN}/analysis/_classical", f"{RN}/analysis/_disk"],
-                                  [f"{RN}/analysis"]),
-    "design": ([f"{RN}/designing/_design", f"{RN}/designing/_plants"], [f"{RN}/designing"]),
-}  # fmt: skip
-LONGEST = 120  # seconds that a mutant's tests may take
+VERBS: dict[str, dict[str, Any]] = tomllib.loads(
+    (Path(__file__).parent / "central_verbs.toml").read_text()
+)
+LONGEST = 300  # seconds that a mutant's tests may take, waiting included
+PR_SET_PDEATHSIG = 1
+LOT_VERBS, LOT_MUTANTS, LOT_SECONDS = 3, 4, 60  # what the check draws, and when it draws no more
 OPTIONS = ["-q", "-p", "no:cacheprovider", "-n", "0",
            "--randomly-seed=0", "--randomly-dont-reorganize", "--hypothesis-seed=0"]  # fmt: skip
 
@@ -87,6 +56,7 @@ class Mutant:
 
     def __init__(self, path: Path, number: int, lines: set[int], function: Any) -> None:
         self.path, self.number, self.lines, self.function = path, number, lines, function
+        self.words = ""
 
     def put(self) -> None:
         """Change the function that stands in memory."""
@@ -95,6 +65,11 @@ class Mutant:
         self.function.__code__ = next(
             code for code in codes(compile(tree, self.path, "exec")) if code.co_qualname == name
         )
+
+    @property
+    def position(self) -> float:
+        """Return a number in [0, 1) from the words, which another change of the module keeps."""
+        return int(sha256(self.words.encode()).hexdigest()[:8], 16) / 2**32
 
 
 def codes(code: CodeType) -> Iterator[CodeType]:
@@ -105,9 +80,20 @@ def codes(code: CodeType) -> Iterator[CodeType]:
             yield from codes(constant)
 
 
-def mutants_of(path: Path) -> Iterator[Mutant]:
-    """The mutants of a module that can be made in memory: of bodies, not of defaults."""
-    tree = ast.parse(path.read_text())
+def change_of(node: Any) -> str:
+    """What stands at a place, and what is put there."""
+    field, value = changed(node) or ("", None)
+    before, kept = ast.unparse(node).split("\n")[0], getattr(node, field)
+    setattr(node, field, value)
+    after = ast.unparse(node).split("\n")[0]
+    setattr(node, field, kept)
+    return f"{before}  ->  {after}"
+
+
+def mutants_of(path: Path, names: list[str]) -> Iterator[Mutant]:
+    """The mutants of named functions of a module: of bodies, not of defaults."""
+    text = path.read_text()
+    tree = ast.parse(text)
     module = import_module(".".join(path.relative_to(ROOT).with_suffix("").parts))
     known = {
         (f.__code__.co_firstlineno, f.__name__): f
@@ -115,14 +101,21 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
         if isinstance(f, FunctionType) and f.__module__ == module.__name__
     }
     number = 0
+    times: Counter[str] = Counter()
     for part in parts(tree):
         inside = list(getattr(part, "body", []))
         heads = {id(n) for n in ast.walk(part)} - {id(n) for s in inside for n in ast.walk(s)}
         first = min([getattr(part, "lineno", 0), *(d.lineno for d in _decorators(part))])
         function = known.get((first, getattr(part, "name", "")))
         for node in places(part):
-            if function is not None and id(node) not in heads:
-                yield Mutant(path, number, _lines(part, node), function)
+            if function is not None and id(node) not in heads and function.__qualname__ in names:
+                lines = _lines(part, node)
+                mutant = Mutant(path, number, lines, function)
+                head = text.splitlines()[min(lines) - 1].strip()
+                words = f"{function.__qualname__}: {change_of(node)}  in  {head}"
+                times[words] += 1
+                mutant.words = words + (f" ({times[words]})" if times[words] > 1 else "")
+                yield mutant
             number += 1
 
 
@@ -141,10 +134,10 @@ def _lines(part: ast.AST, node: Any) -> set[int]:
 
 
 class Judge:
-    """The plugin of pytest that runs the tests of a group of verbs, first traced, then mutated."""
+    """The plugin of pytest that runs the tests of a verb, first traced, then mutated."""
 
-    def __init__(self, verbs: list[str], count: int, seed: int) -> None:
-        self.verbs, self.count, self.seed = verbs, count, seed
+    def __init__(self, verb: str, mutants: list[Mutant], end: float) -> None:
+        self.verb, self.mutants, self.end = verb, mutants, end
         self.failed = False
 
     def pytest_sessionstart(self) -> None:
@@ -162,28 +155,29 @@ class Judge:
 
     def pytest_runtestloop(self, session: Any) -> bool:
         """Run the tests once, then those that reach a mutant on each mutant."""
-        paths = {p for verb in self.verbs for p in paths_of(verb)}
         items = {item.nodeid: item for item in session.items}
-        reach, took = self._traced(session, paths)
-        print(f"{len(took)} tests of {', '.join(self.verbs)}: {sum(took.values()):.0f} s",
-              file=sys.__stderr__, flush=True)  # fmt: skip
-        for verb in self.verbs:
-            every = [m for path in paths_of(verb) for m in mutants_of(path)]
-            draw = random.Random(f"{self.seed} {verb}")
-            drawn = draw.sample(every, min(self.count, len(every)))
-            killed = 0
-            for mutant in sorted(drawn, key=lambda m: (m.path, m.number)):
-                near = {t for line in mutant.lines for t in reach.get((str(mutant.path), line), ())}
-                near &= set(took)
-                ordered = [items[t] for t in sorted(near, key=lambda t: (took[t], t))]
-                begun = time.monotonic()
-                lives = self._forked(partial(self._survives, mutant, ordered))
-                killed += not lives
-                where = f"{mutant.path.relative_to(ROOT)} #{mutant.number}"
-                what = mutated(mutant.path.read_text(), mutant.number)[1]
-                say(f"  {'LIVES ' if lives else 'killed'} {where} {what}"
-                    f"  [{len(near)} tests, {time.monotonic() - begun:.0f} s]")  # fmt: skip
-            say(f"{verb}: {killed} of {len(drawn)} killed, drawn among {len(every)}")
+        reach, took = self._traced(session, {m.path for m in self.mutants})
+        reasons = {one["mutant"]: one["reason"] for one in VERBS[self.verb].get("alive", ())}
+        killed = judged = 0
+        unlisted = []
+        for mutant in self.mutants:
+            if time.monotonic() > self.end:
+                break
+            near = {t for line in mutant.lines for t in reach.get((str(mutant.path), line), ())}
+            near &= set(took)
+            ordered = [items[t] for t in sorted(near, key=lambda t: (took[t], t))]
+            begun, limit = time.monotonic(), 10 + 5 * sum(took[t] for t in near)
+            lives = self._forked(partial(self._survives, mutant, ordered), processor=limit)
+            judged, killed = judged + 1, killed + (not lives)
+            if lives and mutant.words not in reasons:
+                unlisted.append(mutant)
+            elif not lives and mutant.words in reasons:
+                say(f"  listed as alive: {mutant.words}")
+            state = "LIVES " if lives else "killed"
+            say(f"  {state} {mutant.words}  [{len(near)} tests, {time.monotonic() - begun:.0f} s]")
+        say(f"{self.verb}: {killed} of {judged} killed, {len(unlisted)} alive without a reason"
+            f"  [{len(took)} tests, {sum(took.values()):.0f} s]")  # fmt: skip
+        session.testsfailed = len(unlisted)
         return True
 
     def _traced(
@@ -198,10 +192,10 @@ class Judge:
             tracer.start()
             for item in session.items:
                 tracer.switch_context(item.nodeid)
-                self.failed, begun = False, time.perf_counter()
+                self.failed, begun = False, time.process_time()
                 item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
                 if not self.failed:
-                    took[item.nodeid] = time.perf_counter() - begun
+                    took[item.nodeid] = time.process_time() - begun
                 else:
                     print("fails unchanged:", item.nodeid, file=sys.__stderr__)
             tracer.stop()
@@ -225,13 +219,18 @@ class Judge:
                 return False
         return True
 
-    def _forked(self, work: Callable[[], Any], seconds: int = LONGEST) -> Any:
+    def _forked(
+        self, work: Callable[[], Any], seconds: int = LONGEST, processor: float = 3600
+    ) -> Any:
         """What the work returns in a process of its own; False if it does not come to an end."""
         read, write = os.pipe()
         child = os.fork()
         if child == 0:
             os.setpgid(0, 0)
+            if sys.platform == "linux":  # what is interrupted leaves no process behind
+                ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
             signal.alarm(seconds)
+            signal.setitimer(signal.ITIMER_PROF, processor)
             status = 1
             try:
                 with os.fdopen(write, "wb") as pipe:
@@ -248,9 +247,13 @@ class Judge:
         return pickle.loads(answer) if answer else False
 
 
-def paths_of(verb: str) -> list[Path]:
-    """The files of a verb's modules."""
-    return [ROOT / f"{module}.py" for module in VERBS[verb][0]]
+def mutants_of_verb(verb: str) -> list[Mutant]:
+    """Return the mutants of the functions of a verb, in order of their hash."""
+    bodies = VERBS[verb]["bodies"].items()
+    every = [
+        mutant for module, names in bodies for mutant in mutants_of(ROOT / f"{module}.py", names)
+    ]
+    return sorted(every, key=lambda m: m.position)
 
 
 def say(text: str) -> None:
@@ -261,24 +264,48 @@ def say(text: str) -> None:
 SHOWN = os.dup(1)
 
 
-def main(count: str = "10", seed: str = "0", *chosen: str) -> None:
-    """Judge the verbs, those with the same tests together."""
-    os.environ["HYPOTHESIS_PROFILE"] = "ci"
-    groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
-    for verb in chosen or VERBS:
-        groups[tuple(VERBS[verb][1])].append(verb)
+def judged(verb: str, mutants: list[Mutant], end: float = math.inf) -> int:
+    """Judge the mutants in a process of its own; 1 if one lives without a reason."""
+    tests = [f"tests/{file}" for file in VERBS[verb]["tests"]]
+    doctests = [f"{module}.py" for module in VERBS[verb]["bodies"]]
+    child = os.fork()
+    if child == 0:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        judge = Judge(verb, mutants, end)
+        os._exit(int(pytest.main([*OPTIONS, *tests, *doctests], plugins=[judge])))
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if status not in (0, 1):
+        say(f"{verb}: its tests cannot be run (exit status {status})")
+    return int(status != 0)
+
+
+def main() -> int:
+    """Judge the verbs, all of them or a lot."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("verbs", nargs="*", metavar="VERB")
+    parser.add_argument("--share", type=float, help="the share of each verb's mutants")
+    parser.add_argument("--lot", type=int, metavar="SEED", help="draw a few, as the check does")
+    options = parser.parse_args()
     os.chdir(ROOT)
-    for folders, verbs in groups.items():
-        tests = [f"tests/{folder}" for folder in folders]
-        doctests = [str(path) for verb in verbs for path in paths_of(verb)]
-        child = os.fork()
-        if child == 0:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-            judge = Judge(verbs, int(count), int(seed))
-            os._exit(int(pytest.main([*OPTIONS, *tests, *doctests], plugins=[judge])))
-        if os.waitpid(child, 0)[1]:
-            say(f"the tests of {', '.join(verbs)} did not come to an end")
+    os.environ["HYPOTHESIS_PROFILE"] = "ci"
+    os.environ.pop("PYTEST_ADDOPTS", None)
+    verbs, end = options.verbs or list(VERBS), math.inf
+    draw = random.Random(options.lot)
+    if options.lot is not None:
+        verbs, end = draw.sample(verbs, min(LOT_VERBS, len(verbs))), time.monotonic() + LOT_SECONDS
+    failures = 0
+    for verb in verbs:
+        if time.monotonic() > end:
+            break
+        share = VERBS[verb].get("share", 1) if options.share is None else options.share
+        mutants = [m for m in mutants_of_verb(verb) if m.position < share]
+        if options.lot is not None:
+            reasons = {one["mutant"] for one in VERBS[verb].get("alive", ())}
+            mutants = [m for m in mutants if m.words not in reasons]
+            mutants = draw.sample(mutants, min(LOT_MUTANTS, len(mutants)))
+        failures += judged(verb, mutants, end)
+    return int(failures > 0)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    raise SystemExit(main())

@@ -126,3 +126,25 @@ def test_what_is_refused():
             ct.lqg_poles(bad)
     with pytest.raises(ct.CompensatorError, match="discrete"):
         ct.regulator_spectrum([[1]], [[1]], [[1]], [[1]], variable="z", time="continuous")
+
+
+@pytest.mark.parametrize("E_2", [[[0], [1]], [[0], [0]]])
+def test_a_control_without_weight_has_no_optimal_gain_in_continuous_time(E_2):
+    """For the plant 1/(s + 1) the spectrum is 2 - s^2 with the weight 1, and a number without."""
+    plant = ct.StandardProblem(
+        A=[[-1]],
+        B=[[1]],
+        C=[[1]],
+        D_1=[[1, 0]],
+        D_0=None,
+        D_2=[[0, 1]],
+        E_1=[[1], [0]],
+        E_2=E_2,
+        E_0=None,
+        variable="s",
+    )
+    if E_2[1][0]:
+        assert ct.lqg_poles(plant).polynomial is None  # the poles -sqrt(2) are irrational
+    else:
+        with pytest.raises(ct.errors.NoSolutionError, match="zero weight"):
+            ct.lqg_poles(plant)

@@ -73,3 +73,15 @@ def test_roots_that_almost_coincide_are_left_to_sturm(degree):
     poly = polynomial(f"s**{degree} - 2*(1000*s - 1)**2")  # Mignotte: two at a distance of 1e-45
     integers = flint.fmpz_poly([int(c) for c in reversed(poly.all_coeffs())])
     assert distinct_real_roots(integers) is None and number_of_real_roots(poly) == 4
+
+
+def test_a_zero_in_the_first_column_is_no_sign():
+    """A zero row, pivots 1, 2, 1, 4, and those of the polynomial in -s."""
+    assert counts._first_column([flint.fmpz(1)] * 4) is None
+    assert counts._first_column([flint.fmpz(c) for c in (1, 2, 3, 4)]) == [True] * 4
+    assert counts._first_column([flint.fmpz(c) for c in (1, -2, 3, -4)]) == [
+        True,
+        False,
+        True,
+        False,
+    ]

@@ -152,3 +152,13 @@ def test_epsilon_that_misleads_is_named():
 def test_refusals(call, error):
     with pytest.raises(error):
         call()
+
+
+@pytest.mark.parametrize(
+    "text", ["s**4 + 3*s**2 + 2", "s**6 + 2*s**4 + 3*s**2 + 7", "s**2 + 1", "s**4 + 2*s**2 + 1"]
+)
+def test_the_row_of_s_to_the_p_has_half_of_p_and_one_entries(text):
+    """Also where the derivative of an even polynomial, without its constant, stands in the row."""
+    array = ct.routh_array(text)
+    lengths = [len(row) for row in array.rows]
+    assert lengths == [power // 2 + 1 for power in range(len(lengths) - 1, -1, -1)]

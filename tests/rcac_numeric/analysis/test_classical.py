@@ -25,6 +25,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.analysis._boundaries import gain_crossovers, lag_at, phase_crossovers
+from rcac_numeric.analysis._classical import channel_margins
 from rcac_numeric.analysis._opened_loop import broken_loop
 from tests.support.loops import random_loop, seeds
 
@@ -455,3 +456,21 @@ def test_what_has_no_margins_here_names_who_answers(system, words):
         stability_margins(system, feedback=-1)
     if "compensator_theory" in words:
         assert compensator_theory.stability_margins(system, feedback=-1) is not None
+
+
+def test_channels_of_several_controls_have_their_numbers():
+    """Two loops that do not meet: the margins of each are those of it alone, at u1 and at u2."""
+    gains, poles = [0.2, 0.4], [0.9, 0.5]
+    one = np.eye(2)
+    plant = Plant(A=np.diag(poles), B=one, C=one, D_1=one, E_1=one)
+    both = ClosedLoop(
+        plant, Compensator(past_u=[np.zeros((2, 2))], past_y=[np.zeros((2, 2)), -np.diag(gains)])
+    )
+    margins_of, reasons = channel_margins(both)
+    assert list(margins_of) == ["u1", "u2"] and not reasons
+    for margins, gain, pole in zip(margins_of.values(), gains, poles, strict=True):
+        plant = Plant(A=[[pole]], B=[[1.0]], C=[[1.0]], D_1=[[1.0]], E_1=[[1.0]])
+        alone = ClosedLoop(plant, Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[-gain]]]))
+        expected, _ = channel_margins(alone)
+        assert list(expected) == ["u"]
+        assert margins.gain_up == pytest.approx(expected["u"].gain_up)

@@ -190,3 +190,10 @@ def test_fir_target_of_a_plant_is_the_limit_of_its_intercalated_response():
     omega = np.array([0.5, 1.5])
     expected = np.exp(-1j * omega)
     assert target.frequency_response(omega)[:, 0, 0] == pytest.approx(expected)
+
+
+def test_the_frequencies_of_the_match_are_the_middles_of_equal_parts():
+    plant = rn.standard_plant("1/(q - 2)")
+    loop = rn.ClosedLoop(plant, rn.Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]]))
+    match = rn.intercalated_match(loop, rn.fir_target(plant), points=4)
+    assert match.omega == pytest.approx(np.pi * np.array([1, 3, 5, 7]) / 8)

@@ -268,3 +268,11 @@ def test_a_cost_of_nothing_is_not_negative():
 def test_what_is_no_plant_is_refused():
     with pytest.raises(InputError, match="not a Plant"):
         h2_cost(5, Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]]))
+
+
+def test_a_cost_of_zero_is_zero_without_error():
+    """At the boundary error = 0 <= TRUSTED * 0 no ball arithmetic is needed."""
+    plant = Plant(A=[[0.5]], B=[[1.0]], C=[[1.0]], D_1=[[1.0]], E_1=[[0.0]], E_2=[[0.0]])
+    cost = h2_cost(plant, ([[0.2]], [[0.3]], [[0.1]], [[0.0]]))
+    assert cost.value == cost.error_bound == cost.sensitivity == 0.0
+    assert cost.evidence != "ball arithmetic"

@@ -167,3 +167,12 @@ def test_a_report_says_once_why_there_is_no_exact_comparison():
     nothing = Compensator(np.zeros((1, 2, 2)), np.zeros((2, 2, 2)))
     words = " ".join(LoopAnalysis((two, nothing)).report().split())
     assert "Exact comparison not evaluated: it is for scalar signals" in words
+
+
+def test_an_earlier_step_of_a_run_that_keeps_every_third_theta(run):
+    """The controller of step k is that of the run that keeps all."""
+    sparse = EXAMPLE_4_7.run(stride=3)
+    for k in (0, 3, 12):
+        earlier = LoopAnalysis(sparse).until(k)
+        assert np.array_equal(earlier.run.theta_final, run.theta[k])
+        assert earlier.compensator == LoopAnalysis(run).until(k).compensator

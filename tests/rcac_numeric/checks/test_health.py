@@ -13,6 +13,7 @@ from rcac_numeric.checks._target_errors import target_errors
 from rcac_numeric.checks._trials import next_disturbance
 from rcac_numeric.reports._check import check_sheet
 from rcac_numeric.reports._loop import health_lines
+from tests.support.examples import EXAMPLE_4_7
 
 
 def codes(health):
@@ -184,3 +185,13 @@ def test_the_next_disturbance_of_a_constant_has_its_size_not_that_of_its_roundin
     )
     candidates = next_disturbance(rn.simulate(plant, settings, rn.exogenous([rn.Step(size)], 160)))
     assert candidates.frozen > 0.05 * size
+
+
+def test_the_health_of_a_log_without_z():
+    """Its signals are y and u; a health without a loop says why, and one with a loop does not."""
+    run = EXAMPLE_4_7.run(60)
+    known = rn.check_controller(run.u, run.y, w=run.w, compensator=run.compensator, plant=run.plant)
+    unknown = rn.check_controller(run.u, run.y, compensator=run.compensator)
+    assert list(rn.loop_health(unknown).signals) == ["y", "u"]
+    assert rn.loop_health(unknown).obstacle and rn.loop_health(unknown).is_stable is None
+    assert not rn.loop_health(known).obstacle and rn.loop_health(known).is_stable is not None
