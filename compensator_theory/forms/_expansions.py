@@ -172,7 +172,7 @@ def partial_fractions(
     >>> print(partial_fractions("s**3/((s - 1)*(s**2 + 1))"))
     1 + (1/2)/(s - 1) + (s/2 - 1/2)/(s**2 + 1)
     >>> print(partial_fractions("1/((s + 1 - 2*I)*(s + 3))"))
-    (-1/4 - I/4)/(s + 3) + (1/4 + I/4)/(s + 1 - 2*I)
+    (1/4 - I/4)/(s + (1 - 2*I)) + (-1/4 + I/4)/(s + 3)
     """
     if (sides := over_gaussian_rationals(G, variable)) is not None:
         return _complex_fractions(*sides)
