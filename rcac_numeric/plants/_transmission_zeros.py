@@ -35,8 +35,8 @@ def transmission_zero_polynomial(plant: Plant) -> Poly:
 
     Notes
     -----
-    By the Smith form over the rationals, whose coefficients grow quickly: plants of up to about
-    ten states. Source: the transmission zeros of section 3.4.1.
+    By Kronecker's form of the Rosenbrock matrix as a pencil, of rational numbers. Source: the
+    transmission zeros of section 3.4.1.
 
     Examples
     --------
@@ -46,17 +46,16 @@ def transmission_zero_polynomial(plant: Plant) -> Poly:
     >>> transmission_zero_polynomial(plant)
     Poly(q - 5/2, q, domain='QQ')
     """
-    from sympy import QQ, Poly, symbols
-    from sympy.polys.matrices import DomainMatrix
-    from sympy.polys.matrices.normalforms import invariant_factors
+    from sympy import Matrix, diag, eye, zeros
 
-    plant, q = linear_plant(plant), symbols("q")
-    pencil = DomainMatrix.from_Matrix(rosenbrock_matrix(plant)).convert_to(QQ[q])
-    product = Poly(1, q, domain=QQ)
-    for factor in invariant_factors(pencil):
-        if factor:
-            product *= Poly(pencil.domain.to_sympy(factor), q, domain=QQ).monic()
-    return product
+    from compensator_theory.forms import kronecker_form
+
+    problem = linear_plant(plant).problem
+    E_1, E_2 = Matrix(problem.E_1), Matrix(problem.E_2)
+    upper = Matrix(problem.A).row_join(Matrix(problem.B))
+    states = diag(eye(upper.rows), zeros(*E_2.shape))
+    pencil = kronecker_form(upper.col_join(-E_1.row_join(E_2)), states, variable="q")
+    return pencil.finite_polynomial.monic()
 
 
 def rosenbrock_matrix(plant: Plant, weights: Matrix | None = None) -> Matrix:
