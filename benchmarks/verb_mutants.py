@@ -292,6 +292,7 @@ def main() -> int:
     verbs, end = options.verbs or list(VERBS), math.inf
     draw = random.Random(options.lot)
     if options.lot is not None:
+        verbs = [verb for verb in verbs if VERBS[verb].get("share", 1) > 0]
         verbs, end = draw.sample(verbs, min(LOT_VERBS, len(verbs))), time.monotonic() + LOT_SECONDS
     failures = 0
     for verb in verbs:
