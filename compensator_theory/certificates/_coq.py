@@ -81,7 +81,7 @@ def to_coq(certificate: object) -> str:
     >>> from compensator_theory import place_poles, to_coq
     >>> text = to_coq(place_poles("1/(s - a)", [-1], feedback=-1))
     >>> print(*(line for line in text.splitlines() if line.startswith("Theorem")), sep="\n")
-    Theorem equation_1 (Field : fieldType) (s a : Field) : [char Field] =i pred0 ->
+    Theorem equation_1 (Field : fieldType) (s a : Field) (values := [:: s; a] : seq Field) :
     Theorem stable_p (Real : rcfType) (z : Real[i]) :
     """
     record = certificate if isinstance(certificate, dict) else certificate_record(certificate)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import re
+import stat
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -110,11 +113,22 @@ def write_student_notebooks(teacher: Path, student: Path) -> list[Path]:
     if not sources:
         raise InputError(f"the folder {str(teacher)!r} has no notebook *.ipynb")
     notebooks = {path.name: student_notebook(_read(path)) for path in sources}
-    student.mkdir(parents=True, exist_ok=True)
+    _require_own(student, notebooks)
     for name, notebook in notebooks.items():
         text = json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
         (student / name).write_text(text, encoding="utf-8")
     return [student / name for name in notebooks]
+
+
+def _require_own(student: Path, names: Iterable[str]) -> None:
+    """Make the folder; refuse a link or a device under a name in it, which leads out of it."""
+    try:
+        student.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"the folder {str(student)!r} cannot be made: {error.strerror}") from None
+    for path in (student / name for name in names):
+        if os.path.lexists(path) and not stat.S_ISREG(os.lstat(path).st_mode):
+            raise InputError(f"{str(path)!r} is no regular file and is not written; remove it")
 
 
 def _read(path: Path) -> Notebook:

@@ -10,7 +10,7 @@ from .rocq_sources import SOURCES, sources, without_comments
 
 _DECLARES = re.compile(
     r"(?:^|(?<=\.\s))[ \t]*"
-    r"(Theorem|Lemma|Corollary|Definition|Fixpoint|Let|Notation|Ltac)\s+(\w+)",
+    r"(Theorem|Lemma|Corollary|Definition|Fixpoint|Inductive|Let|Notation|Ltac)\s+(\w+)",
     re.M,
 )
 _REQUIRED = re.compile(r"From\s+Compensators\.(\w+)\s+Require\s+(?:Import\s+)?([^.]*)\.")

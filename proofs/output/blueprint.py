@@ -74,9 +74,9 @@ def definitions() -> str:
     types = committed()
     lines = []
     for name, text in types.items():
-        if re.search(rf"\b{re.escape(name.rpartition('.')[2])}\s*=", text.splitlines()[1] + "="):
-            if " =" not in text.splitlines()[1]:
-                continue
+        printed, short = text.splitlines()[1], re.escape(name.rpartition(".")[2])
+        is_definition = " =" in printed and re.search(rf"\b{short}\s*=", printed)
+        if is_definition or printed.strip().startswith("Inductive "):
             lines.append(
                 f'<div id="{anchor(name)}"><p><code>{name}</code> ({whereabouts(name)})</p>'
                 f"{printed_type(name, types)}</div>"

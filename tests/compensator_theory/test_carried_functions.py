@@ -55,8 +55,9 @@ REFUSING = sorted(name for name in DOORS if getattr(PUBLIC[name], "carries", "al
 DRAWN = 2
 # What writes or reads expressions, decides nothing of them, and takes or gives them as they are.
 WRITERS = {
-    "ball_precision", "budget", "canonical", "exact_number", "exceptional_cases", "monic",
-    "parse_expression", "read_roots",
+    "ball_precision", "budget", "canonical", "check", "claim_exercise", "course_exercises",
+    "exact_number", "exceptional_cases", "function_exercise", "judge", "monic", "parse_expression",
+    "read_roots", "student_notebook",
 }  # fmt: skip
 DIGITS = 50
 

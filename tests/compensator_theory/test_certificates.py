@@ -24,7 +24,8 @@ WITHOUT = {
         Mode PartialFraction PhaseCrossover StabilityCell StabilitySlab SymmetricDiskMargin
         UnstableRealZero ZeroDirection""",
     "irrational by nature: balls enclose it, and SpectralFactor.residual encloses 0": """
-        DelayedStabilityMargins HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles
+        DelayedStabilityMargins EnclosedHInfinityNorm EnclosedStabilityMargins HInfinityNorm
+        HighAuthorityLimits HighAuthorityTarget LQGPoles
         RegulatorLocus StabilityMargins""",
     "a decision by signs or counts, which is no identity": """IntervalStability ObserverDecision
         PickInterpolation RealnessDecision StabilityDecision StabilityDelays StabilityIntervals
@@ -33,6 +34,7 @@ WITHOUT = {
     "its parts have one: the regulator and the estimator": "LQGController",
     "it is both sides of an identity": "PropositionCheck",
     "determinants; the multipliers that would show them in the ideal are not kept": "Subresultants",
+    "an answer to an exercise: a counterexample recomputes, a right one was drawn": "Judgement",
     "answers of another function, whose certificate speaks of each": "ExceptionalCases",
 }
 # The fields that the identity of a class holds against each other.

@@ -142,6 +142,7 @@ TOGETHER = {
 }  # fmt: skip
 OF_CONTINUOUS_TIME = {"first_order_hold", "high_authority_limits", "matched", "tustin",
                       "zero_order_hold"}  # fmt: skip
+TO_CONTINUOUS_TIME = {"inverse_tustin", "inverse_zero_order_hold"}
 DIRECTIONS = {"direction_residual"}  # its G_f is evaluated at a number, whatever time is
 PUBLIC = public_objects("compensator_theory")
 SYSTEMS = (c.TransferFunction, c.TransferMatrix, c.Realisation, c.DescriptorSystem,
@@ -190,7 +191,7 @@ def test_every_public_function_that_takes_a_system_is_below():
         and any(k in str(p.annotation) for p in inspect.signature(one).parameters.values()
                 for k in kinds)
     }  # fmt: skip
-    assert reads == {*ALONE, *TOGETHER, *OF_CONTINUOUS_TIME, *DIRECTIONS}
+    assert reads == {*ALONE, *TOGETHER, *OF_CONTINUOUS_TIME, *TO_CONTINUOUS_TIME, *DIRECTIONS}
 
 
 @pytest.mark.parametrize("name", sorted({*ALONE, *TOGETHER}))
