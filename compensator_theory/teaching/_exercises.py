@@ -23,7 +23,7 @@ class Exercise:
     ----------
     question : str
         The question in one or two sentences.
-    fault : function of (answer, *case)
+    fault : function of the answer and the parts of a case
         None where the answer is right, otherwise what is wrong in this case: a sentence.
     cases : mapping of str to strategy, optional
         Names of the arguments and Hypothesis strategies that draw them. A name "a, b" belongs to a

@@ -280,8 +280,8 @@ def deadbeat_gain(A: Array, C: Array, tolerance: float) -> tuple[Array, Array, i
     size = float(np.linalg.norm(A, 2)) or 1.0
     reached, feedback, steps = np.zeros((n, 0)), np.zeros((len(C), 0)), 0
     while reached.shape[1] < n:
-        outside = _complement(np.hstack([reached, inputs]), tolerance)
-        rest = _complement(reached, 0.5)  # orthonormal columns have full rank
+        rest = np.linalg.qr(reached, mode="complete")[0][:, reached.shape[1] :]
+        outside = rest @ _complement(rest.T @ inputs, tolerance)
         _, values, right = np.linalg.svd(outside.T @ A.T @ rest / size)
         new = rest @ right[int((values > tolerance).sum()) :].T
         if not new.shape[1]:
@@ -308,7 +308,7 @@ def _readings(C: Array) -> Iterator[Array]:
 
 
 def _complement(columns: Array, tolerance: float) -> Array:
-    """Return an orthonormal basis of the complement of the columns."""
+    """Return an orthonormal basis of the complement of the columns, which have length 1 at most."""
     left, values, _ = np.linalg.svd(columns)
-    rank = int((values > tolerance * values.max(initial=0.0)).sum())
+    rank = int((values > tolerance).sum())
     return np.asarray(left[:, rank:])
