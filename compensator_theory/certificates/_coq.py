@@ -66,7 +66,7 @@ def to_coq(certificate: object) -> str:
     Returns
     -------
     str
-        The file. Its head says in words what is proved and how it is compiled: ``coqc -R
+        The file. Its head says in words what is proved and how it is compiled: ``coqc -w none -R
         CHECKOUT/proofs/rocq Compensators FILE.v``, with Coq 8.16 and MathComp 1.15.
 
     Raises
@@ -272,7 +272,7 @@ class _CoqFile:
             "libcoq-mathcomp-zify), and a checkout of compensator-theory in CHECKOUT:",
             "",
             "  make -C CHECKOUT/proofs/rocq     (once)",
-            "  coqc -R CHECKOUT/proofs/rocq Compensators FILE.v",
+            "  coqc -w none -R CHECKOUT/proofs/rocq Compensators FILE.v",
             "",
             "It compiles only if every claim holds. Each rests on a theorem named certified_... of",
             "proofs/rocq/theorems (CertifiedEquations.v, CertifiedSigns.v), whose hypothesis is",
