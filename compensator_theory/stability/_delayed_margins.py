@@ -49,6 +49,7 @@ from compensator_theory.stability._margins import (
 )
 from compensator_theory.stability._nearest_margins import (
     Crossing,
+    CrossingGains,
     Margin,
     PhaseMargins,
     nearest,
@@ -63,7 +64,7 @@ from compensator_theory.systems._delayed_transfer_functions import (
 
 
 @dataclass(frozen=True)
-class DelayedStabilityMargins(PhaseMargins, ExactValue):
+class DelayedStabilityMargins(CrossingGains, PhaseMargins, ExactValue):
     r"""The crossovers of a loop with one dead time, whether it is stable, and its margins.
 
     .. math:: 1 + L, \qquad L = -f\,G G_c = \frac{N(s)}{D(s)}\,e^{-\theta s}, \qquad
@@ -129,23 +130,6 @@ class DelayedStabilityMargins(PhaseMargins, ExactValue):
     def delays(self) -> StabilityDelays | None:
         """Every dead time with which the loop is stable; None if L is 0."""
         return _delays_of(self.numerator, self.denominator)
-
-    @property
-    def gain_up(self) -> Margin | None:
-        """The least factor above 1 of the gain that ends stability; None for an unstable loop."""
-        if not self.is_stable:
-            return None
-        return nearest([c for c in self._factors() if c[0].lower > 1])
-
-    @property
-    def gain_down(self) -> Margin | None:
-        """The largest factor in (0, 1) that does so, or 0; None for an unstable loop."""
-        if not self.is_stable:
-            return None
-        below = [c for c in self._factors() if c[0].upper < 1]
-        if not below:
-            return Margin(sympy.Integer(0), None)
-        return Margin(*max(below, key=lambda pair: pair[0].centre))
 
     def _factors(self) -> list[Crossing]:
         return [(c.gain_enclosure, c.frequency) for c in self.phase_crossovers]

@@ -56,6 +56,8 @@ from compensator_theory.stability._margins import (
     frequency_of,
 )
 from compensator_theory.stability._nearest_margins import (
+    Crossing,
+    CrossingGains,
     Margin,
     PhaseMargins,
     half_circle,
@@ -65,7 +67,7 @@ from compensator_theory.stability._nearest_margins import (
 
 
 @dataclass(frozen=True)
-class EnclosedStabilityMargins(CountedLoop, PhaseMargins, ExactValue):
+class EnclosedStabilityMargins(CountedLoop, CrossingGains, PhaseMargins, ExactValue):
     r"""The crossovers of a loop with exponentials as coefficients, and its margins, certified.
 
     The margins `gain_up`, `gain_down` (factors), `phase_lag`, `phase_lead`, `phase` (degrees) and
@@ -100,28 +102,9 @@ class EnclosedStabilityMargins(CountedLoop, PhaseMargins, ExactValue):
     gain_crossovers: tuple[GainCrossover, ...]
     phase_crossovers: tuple[PhaseCrossover, ...]
 
-    @property
-    def gain_up(self) -> Margin | None:
-        """The least factor above 1 of the gain that ends stability; None for an unstable loop."""
-        if not self.is_stable:
-            return None
-        return nearest([change for change in self._factors() if change[0].lower > 1])
-
-    @property
-    def gain_down(self) -> Margin | None:
-        """The largest factor in (0, 1) that does so, or 0; None for an unstable loop."""
-        if not self.is_stable:
-            return None
-        below = [change for change in self._factors() if 0 < change[0].lower < change[0].upper < 1]
-        exact = [change for change in self._factors() if 0 < change[0].centre < 1]
-        candidates = below or exact
-        if not candidates:
-            return Margin(sympy.Integer(0), None)
-        return Margin(*max(candidates, key=lambda change: change[0].centre))
-
-    def _factors(self) -> list[tuple[Enclosure, Any]]:
+    def _factors(self) -> list[Crossing]:
         """The gain factors that put a root on the boundary, or at infinity."""
-        factors: list[tuple[Enclosure, Any]] = [
+        factors: list[Crossing] = [
             (c.gain_enclosure, sympy.oo if c.frequency is None else c.frequency)
             for c in self.phase_crossovers
         ]

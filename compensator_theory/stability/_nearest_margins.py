@@ -230,6 +230,36 @@ class PhaseMargins:
         return picture_of(self, view=view, **options)
 
 
+class CrossingGains:
+    """The gain margins of a loop by the factors that put a root on the boundary."""
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the loop is stable as it is."""
+        raise NotImplementedError
+
+    def _factors(self) -> list[Crossing]:
+        """The positive factors, none of which is 1 for a stable loop, with their frequencies."""
+        raise NotImplementedError
+
+    @property
+    def gain_up(self) -> Margin | None:
+        """The least factor above 1 of the gain that ends stability; None for an unstable loop."""
+        if not self.is_stable:
+            return None
+        return nearest([crossing for crossing in self._factors() if crossing[0].lower > 1])
+
+    @property
+    def gain_down(self) -> Margin | None:
+        """The largest factor in (0, 1) that does so, or 0; None for an unstable loop."""
+        if not self.is_stable:
+            return None
+        below = [crossing for crossing in self._factors() if crossing[0].upper < 1]
+        if not below:
+            return Margin(sympy.Integer(0), None)
+        return Margin(*max(below, key=lambda pair: pair[0].centre))
+
+
 def nearest_phase(
     crossings: Sequence[Crossing], ends: Sequence[Frequency], *, lead: bool
 ) -> Margin:

@@ -1,5 +1,7 @@
 """Plants with exponentials as coefficients: compared with rational plants 1e-34 away, and ties."""
 
+from fractions import Fraction
+
 import pytest
 import sympy
 from hypothesis import given
@@ -16,8 +18,10 @@ from compensator_theory import (
 )
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.polynomials._poly import canonical
+from compensator_theory.roots._enclosures import Enclosure
 from compensator_theory.roots._independent_numbers import IndependentNumbers
 from compensator_theory.sampling import first_order_hold, zero_order_hold
+from compensator_theory.stability._nearest_margins import CrossingGains
 from tests.support.structure_cases import fewer
 
 x, z = sympy.symbols("x z")
@@ -177,3 +181,26 @@ def test_symbols_without_a_value_are_refused():
         )
     assert exact.decide_stability(zero_order_hold("1/(s + 1)")).is_stable is None
     assert Symbol("x") in zero_order_hold("1/(s + 1)").realisation.A.free_symbols
+
+
+class Gains(CrossingGains):
+    is_stable = True
+
+    def __init__(self, factors):
+        self.factors = factors
+
+    def _factors(self):
+        return [(factor, None) for factor in self.factors]
+
+
+ROUNDED = Rational(1, 10**30)
+GAINS = st.fractions(Fraction(1, 50), 100, max_denominator=50).filter(lambda g: g != 1)
+
+
+@given(st.lists(st.tuples(GAINS, st.sampled_from([Rational(0), ROUNDED])), max_size=6))
+def test_gain_margins_are_the_nearest_factors_whether_exact_or_enclosed(factors):
+    loop = Gains([Enclosure(Rational(g.numerator, g.denominator), r) for g, r in factors])
+    gains = [Rational(g.numerator, g.denominator) for g, _ in factors]
+    low, high = loop.gain_down.value, loop.gain_up.value
+    assert getattr(low, "centre", low) == max([g for g in gains if g < 1], default=0)
+    assert getattr(high, "centre", high) == min([g for g in gains if g > 1], default=sympy.oo)
