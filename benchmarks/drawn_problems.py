@@ -172,9 +172,9 @@ def discrete(random: Random) -> tuple[str, bool]:
         total = sum(padded[i] * u[k - i] for i in range(min(k, n) + 1))
         total -= sum(a[i] * values[k - i] for i in range(1, min(k, n) + 1))
         values.append(Fraction(total))
-        found = value_at(y.expression, y.time, Fraction(k)) + impulses.get(k, 0)
+        value = value_at(y.expression, y.time, Fraction(k)) + impulses.get(k, 0)
         oracle = sympy.Rational(values[-1].numerator, values[-1].denominator)
-        right &= bool(abs(found - oracle) <= sympy.Float("1e-25") * (1 + abs(oracle)))
+        right &= bool(abs(value - oracle) <= sympy.Float("1e-25") * (1 + abs(oracle)))
     return G, right
 
 
@@ -182,13 +182,13 @@ def transition(random: Random) -> tuple[str, bool]:
     """exp(A t) at three times."""
     n = random.randint(1, 3)
     A = [[Fraction(random.randint(-3, 3)) for _ in range(n)] for _ in range(n)]
-    found = exact.transition_matrix([[str(x) for x in row] for row in A], "s")
+    matrix = exact.transition_matrix([[str(x) for x in row] for row in A], "s")
     right = True
     for when in TIMES:
         E = exponential(A, when)
         for i in range(n):
             for j in range(n):
-                right &= near(value_at(found.expression[i, j], found.time, when), E[i][j])
+                right &= near(value_at(matrix.expression[i, j], matrix.time, when), E[i][j])
     return str(A), right
 
 
@@ -244,13 +244,13 @@ def gains(random: Random) -> tuple[str, bool]:
     """Ranges of the gain: roots in the middle of each range and at 200 points beside."""
     variable = random.choice("sz")
     b, a, G = plant(random, variable, random.randint(1, 4))
-    found = exact.stabilising_gains(G, feedback=-1).intervals
+    intervals = exact.stabilising_gains(G, feedback=-1).intervals
     ends = [
         tuple(
             Fraction(str(sympy.Rational(str(sympy.N(end, 30))))) if end.is_finite else end
             for end in map(sympy.sympify, (cell.lower, cell.upper))
         )
-        for cell in found
+        for cell in intervals
     ]
     padded = [Fraction(0)] * (len(a) - len(b)) + b
     points = [Fraction(random.randint(-400, 400), random.choice((1, 7, 30))) for _ in range(200)]
@@ -366,13 +366,13 @@ def hold(random: Random) -> tuple[str, bool]:
     augmented = [[*row, x] for row, x in zip(A, B, strict=True)] + [[Fraction(0)] * (n + 1)]
     E = exponential(augmented, h)
     values = dict(sampled.exponentials)
-    found = sampled.transfer_function.as_expr().subs(values)
+    closed_form = sampled.transfer_function.as_expr().subs(values)
     right = True
     for z in (Fraction(7, 2), Fraction(-5, 3)):
         system = arb_mat([[ball(z) * int(i == j) - E[i][j] for j in range(n)] for i in range(n)])
         state = system.solve(arb_mat([[E[i][n]] for i in range(n)]))
         oracle = sum((ball(c) * state[i, 0] for i, c in enumerate(C)), arb(0))
-        right &= near(value_at(found, Z, z), oracle)
+        right &= near(value_at(closed_form, Z, z), oracle)
     return f"{G}, h = {h}", right
 
 
@@ -409,14 +409,14 @@ def characteristics(random: Random) -> tuple[str, bool]:
     outside = np.flatnonzero(np.abs(y - 1) > 0.02)
     settle = times[outside[-1] + 1]
     rise = times[np.flatnonzero(y >= 0.9)[0]] - times[np.flatnonzero(y >= 0.1)[0]]
-    found = [
+    characteristics = [
         float(sympy.N(number_of(value)))
         for value in (response.overshoot(), response.settling_time(), response.rise_time())
     ]
-    right = abs(found[0] - over) < 1e-5 * (1 + over)
-    right &= abs(found[1] - settle) < 2 * step_of_grid + 1e-6
-    right &= abs(found[2] - rise) < 2 * step_of_grid + 1e-6
-    return f"{G}: {found} against {[over, settle, rise]}", right
+    right = abs(characteristics[0] - over) < 1e-5 * (1 + over)
+    right &= abs(characteristics[1] - settle) < 2 * step_of_grid + 1e-6
+    right &= abs(characteristics[2] - rise) < 2 * step_of_grid + 1e-6
+    return f"{G}: {characteristics} against {[over, settle, rise]}", right
 
 
 def placement(random: Random) -> tuple[str, bool]:
@@ -424,10 +424,10 @@ def placement(random: Random) -> tuple[str, bool]:
     n = random.randint(1, 4)
     b, a, G = plant(random, "s", n)
     target = factors(random, 2 * n - 1, "s")
-    found = exact.place_poles(G, text(target, "s"), feedback=-1, variable="s").compensator
+    compensator = exact.place_poles(G, text(target, "s"), feedback=-1, variable="s").compensator
     top, bottom = (
         [Fraction(int(c.p), int(c.q)) for c in p.all_coeffs()]
-        for p in (found.numerator, found.denominator)
+        for p in (compensator.numerator, compensator.denominator)
     )
     first, second = product(a, bottom), product(b, top)
     size = max(len(first), len(second))

@@ -90,8 +90,10 @@ def carried_by(kind: str) -> Callable[[Callable[P, Result]], Callable[P, Result]
 
 def _needs_sign(function: Callable[..., Any]) -> bool:
     """Whether a function asks for the sign of feedback, which has no default."""
-    asked = signature(function).parameters.get("feedback")
-    return asked is not None and asked.kind is asked.KEYWORD_ONLY and asked.default is asked.empty
+    parameter = signature(function).parameters.get("feedback")
+    if parameter is None or parameter.kind is not parameter.KEYWORD_ONLY:
+        return False
+    return bool(parameter.default is parameter.empty)
 
 
 def _no_sign(function: Callable[..., Any]) -> TypeError:

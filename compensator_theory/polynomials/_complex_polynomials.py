@@ -68,10 +68,10 @@ def over_gaussian_rationals(obj: Any, variable: str | Symbol | None) -> tuple[Po
         top, bottom = (exact_number(side) for side in obj)
         expression = top / bottom
     else:
-        found = _expression(obj)
-        if found is None:
+        given = _expression(obj)
+        if given is None:
             return None
-        expression = found
+        expression = given
     if not expression.has(sympy.I):
         return None
     s = shared_variable([expression], variable)

@@ -144,9 +144,9 @@ def _complex_roots(parts: tuple[Poly, Poly]) -> tuple[Root, ...]:
         apart = not any(a[0].overlaps(b[0]) for a, b in combinations(balls, 2))
         return balls if apart else None
 
-    found = at_growing_precision(attempt, 128, "the roots")
+    isolated_roots = at_growing_precision(attempt, 128, "the roots")
     with ball_precision(128):
-        return tuple(sorted((_rounded(*root) for root in found), key=_order))
+        return tuple(sorted((_rounded(*root) for root in isolated_roots), key=_order))
 
 
 def _fraction(number: Expr) -> flint.fmpq:

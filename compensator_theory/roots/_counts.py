@@ -153,8 +153,8 @@ def count_roots(
     >>> print(count_roots("q*(q + 1)**2*(q - 3)"))
     1 stable, 2 on the boundary, 1 unstable
     """
-    if (found := polynomial_with_exponentials(poly, variable, time)) is not None:
-        written, domain, numbers = found
+    if (rewritten := polynomial_with_exponentials(poly, variable, time)) is not None:
+        written, domain, numbers = rewritten
         return numbers.count(written, domain)
     if (parts := complex_parts(poly, variable, time)) is not None:
         both = _count_rational(norm_of(parts), None, time)

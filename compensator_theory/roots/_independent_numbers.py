@@ -313,10 +313,10 @@ def polynomial_with_exponentials(
         return None
     poly, domain = polynomial_in_time(obj, time, variable)
     coefficients = poly.all_coeffs()
-    found = independent_numbers([(coefficients, meaning_of(obj))], ())
-    if found is None or poly.is_zero:
+    rewritten = independent_numbers([(coefficients, meaning_of(obj))], ())
+    if rewritten is None or poly.is_zero:
         return None
-    ((written,), numbers) = found
+    ((written,), numbers) = rewritten
     return from_coefficients(written, poly.gen), domain, numbers
 
 

@@ -159,9 +159,9 @@ def decide_stability(
     >>> decide_stability("s**2 + a*s + 1", time="continuous").is_stable is None
     True
     """
-    found = polynomial_with_exponentials(poly, variable, time)
-    if found is not None:
-        p, domain, numbers = found
+    rewritten = polynomial_with_exponentials(poly, variable, time)
+    if rewritten is not None:
+        p, domain, numbers = rewritten
         count = numbers.count(p, domain)
         shown = polynomial_with_functions(
             [c.subs(dict(numbers.meaning)) for c in p.all_coeffs()], p.gen

@@ -187,10 +187,10 @@ def margins_with_exponentials(
         return None
     plant, compensator = map(without_meaning, parts)
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
-    found = over_numbers([G, G_c], [*map(meaning_of, parts)])
-    if found is None:
+    rewritten = over_numbers([G, G_c], [*map(meaning_of, parts)])
+    if rewritten is None:
         return None
-    (G, G_c), numbers = found
+    (G, G_c), numbers = rewritten
     N, D = canonical(G.numerator * G_c.numerator * -feedback), G.denominator * G_c.denominator
     D = canonical(D)
     time = time_of(G.variable, "a margin")

@@ -58,10 +58,10 @@ def norm_with_exponentials(
     source = transfer_function(without_meaning(G), variable)
     if not isinstance(source, TransferFunction):
         return None
-    found = over_numbers([source], (meaning_of(G),))
-    if found is None:
+    rewritten = over_numbers([source], (meaning_of(G),))
+    if rewritten is None:
         return None
-    ((system,), numbers) = found
+    ((system,), numbers) = rewritten
     time = time_of(system.variable, "the H-infinity norm")
     ask_for_numbers(int(system.order), numbers, "the norm of a plant with exponentials")
     common = common_divisor(system.numerator, system.denominator)
@@ -117,10 +117,10 @@ def over_numbers(
         ([*G.numerator.all_coeffs(), *G.denominator.all_coeffs()], meaning)
         for G, meaning in zip(systems, meanings, strict=True)
     ]
-    found = independent_numbers(parts, ())
-    if found is None:
+    rewritten = independent_numbers(parts, ())
+    if rewritten is None:
         return None
-    rows, numbers = found
+    rows, numbers = rewritten
     written = []
     for G, row in zip(systems, rows, strict=True):
         length = len(G.numerator.all_coeffs())

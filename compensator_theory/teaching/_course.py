@@ -233,10 +233,10 @@ def _states_and_observers() -> tuple[Exercise, ...]:
     def observer_fault(answer: Any) -> str | None:
         A, C = ImmutableMatrix([[0, 1], [0, -1]]), ImmutableMatrix([[1, 0]])
         F = _matrix(answer, (2, 1), "F")
-        error, wanted = (A - F * C).charpoly(_S), Poly((_S + 3) * (_S + 4), _S)
-        if _are_equal(error, wanted):
+        error, target = (A - F * C).charpoly(_S), Poly((_S + 3) * (_S + 4), _S)
+        if _are_equal(error, target):
             return None
-        return f"the error obeys A - F C with {written(error)}, not {written(wanted)}"
+        return f"the error obeys A - F C with {written(error)}, not {written(target)}"
 
     def objection(
         A: ImmutableMatrix, B: ImmutableMatrix, C: ImmutableMatrix, K: ImmutableMatrix,
@@ -638,10 +638,10 @@ def _loop_fault(plant: str, target: str) -> Callable[[Any], str | None]:
 
     def fault(answer: Any) -> str | None:
         compensator = transfer_function(answer, "s")
-        wanted = polynomial(target, "s")
+        goal = polynomial(target, "s")
         loop = _loop(transfer_function(plant, "s"), compensator)
-        if _are_equal(loop, wanted):
+        if _are_equal(loop, goal):
             return None
-        return f"the closed-loop polynomial is {written(loop)}, not {written(wanted)}"
+        return f"the closed-loop polynomial is {written(loop)}, not {written(goal)}"
 
     return fault

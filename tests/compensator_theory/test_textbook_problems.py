@@ -37,20 +37,20 @@ def is_zero_at(difference, points, variable):
     return True
 
 
-def same_function(found, text, is_discrete, first=0):
+def same_function(answer, text, is_discrete, first=0):
     """Whether a closed form is that of the file, at points after its beginning."""
-    found = sympify(found)
+    answer = sympify(answer)
     variable = NAMES["k" if is_discrete else "t"]
-    for symbol in found.free_symbols:  # t of the package may be assumed real
-        found = found.subs(symbol, variable)
+    for symbol in answer.free_symbols:  # t of the package may be assumed real
+        answer = answer.subs(symbol, variable)
     points = [point for point in POINTS[is_discrete] if sympify(point) >= first]
-    return is_zero_at(found - read(text), points, variable)
+    return is_zero_at(answer - read(text), points, variable)
 
 
-def close(found, text):
+def close(answer, text):
     """Whether a certified or exact number is that of the file, given to 15 digits."""
-    centre = found.centre if isinstance(found, Enclosure) else sympify(found)
-    radius = found.radius if isinstance(found, Enclosure) else 0
+    centre = answer.centre if isinstance(answer, Enclosure) else sympify(answer)
+    radius = answer.radius if isinstance(answer, Enclosure) else 0
     expected = sympy.N(read(text), 20)
     return abs(sympy.N(centre, 20) - expected) <= radius + abs(expected) * sympy.Float("1e-12")
 
@@ -90,11 +90,11 @@ def rise_time(G, value):
     return close(exact.step_response(G).rise_time(), value)
 
 
-def matrices_agree(found, text, is_discrete):
+def matrices_agree(answer, text, is_discrete):
     expected = sympy.Matrix(sympify(text, locals=NAMES))
-    return found.shape == expected.shape and all(
+    return answer.shape == expected.shape and all(
         same_function(entry, str(value), is_discrete)
-        for entry, value in zip(found, expected, strict=True)
+        for entry, value in zip(answer, expected, strict=True)
     )
 
 
@@ -117,29 +117,29 @@ def jury_array(p, counts):
 
 
 def routh_conditions(p, conditions):
-    found = exact.routh_array(p, "s").conditions
+    answer = exact.routh_array(p, "s").conditions
     expected = [read(text) for text in conditions]
-    return len(found) == len(expected) and all(
-        any((sympify(one) / other).expand().is_positive for other in expected) for one in found
+    return len(answer) == len(expected) and all(
+        any((sympify(one) / other).expand().is_positive for other in expected) for one in answer
     )
 
 
 def stabilising_gains(G, interval):
-    found = exact.stabilising_gains(G, feedback=-1).intervals
+    answer = exact.stabilising_gains(G, feedback=-1).intervals
     if interval == "none":
-        return found == ()
+        return answer == ()
     ends = [part.split(", ") for part in interval.strip("()").split(") (")]
-    return len(found) == len(ends) and all(
+    return len(answer) == len(ends) and all(
         equal(cell.lower, lower) and equal(cell.upper, upper)
         if "oo" not in lower + upper
         else (str(cell.lower) == lower or equal(cell.lower, lower))
-        for cell, (lower, upper) in zip(found, ends, strict=True)
+        for cell, (lower, upper) in zip(answer, ends, strict=True)
     )
 
 
 def pade(G, order, P):
-    found = exact.transfer_function(G).pade(order).as_expr()
-    return sympy.cancel(found - read(P)) == 0
+    answer = exact.transfer_function(G).pade(order).as_expr()
+    return sympy.cancel(answer - read(P)) == 0
 
 
 def delay_margin(G, frequency, degrees, delay):
@@ -154,16 +154,16 @@ def delay_margin(G, frequency, degrees, delay):
 
 def gain_margin(G, frequency, gain):
     margins = exact.stability_margins(G, feedback=-1)
-    found = margins.gain_up
-    return close(found.value, gain) and close(found.frequency, frequency)
+    answer = margins.gain_up
+    return close(answer.value, gain) and close(answer.frequency, frequency)
 
 
-def same_set(found, expected):
+def same_set(answer, expected):
     """Whether two lists of formulas agree at values of their symbols."""
     expected = [read(text) for text in expected]
-    symbols = sorted(set().union(*(one.free_symbols for one in (*found, *expected))), key=str)
+    symbols = sorted(set().union(*(one.free_symbols for one in (*answer, *expected))), key=str)
     values = {symbol: sympy.Rational(number, 7) for number, symbol in enumerate(symbols, 3)}
-    numbers = [sympy.N(one.subs(values), DIGITS) for one in found]
+    numbers = [sympy.N(one.subs(values), DIGITS) for one in answer]
     for one in expected:
         value = sympy.N(one.subs(values), DIGITS)
         near = [number for number in numbers if abs(number - value) < sympy.Float("1e-30")]
@@ -175,24 +175,24 @@ def same_set(found, expected):
 
 def poles_and_zeros(G, variable, poles, zeros):
     system = exact.transfer_function(G, variable)
-    found = [[sympify(root.value) for root in part for _ in range(root.multiplicity)]
+    answer = [[sympify(root.value) for root in part for _ in range(root.multiplicity)]
              for part in (system.poles(), system.zeros())]  # fmt: skip
-    return same_set(found[0], poles) and same_set(found[1], zeros)
+    return same_set(answer[0], poles) and same_set(answer[1], zeros)
 
 
 def root_locus(G, centroid, breaks):
     locus = exact.root_locus(G, feedback=-1)
-    found = [(one.value, one.gain) for one in locus.breaks if sympy.N(one.gain) > 0]
+    answer = [(one.value, one.gain) for one in locus.breaks if sympy.N(one.gain) > 0]
     expected = [(sympy.N(read(point)), read(gain)) for point, gain in breaks]
     return (
         (centroid == "none" or equal(locus.centroid, centroid))
-        and len(found) == len(expected)
+        and len(answer) == len(expected)
         and all(
             any(
                 abs(value - complex(point)) < 1e-12 and close(gain, str(exact_gain))
                 for point, exact_gain in expected
             )
-            for value, gain in found
+            for value, gain in answer
         )
     )
 
@@ -207,25 +207,25 @@ def locus_crossing(G, gain, frequency):
 
 
 def place_poles(G, target, compensator):
-    found = exact.place_poles(G, target, feedback=-1).compensator
-    return sympy.cancel(found.as_expr() - read(compensator)) == 0
+    answer = exact.place_poles(G, target, feedback=-1).compensator
+    return sympy.cancel(answer.as_expr() - read(compensator)) == 0
 
 
 def regulator_gain(A, B, target, K):
     return equal(exact.regulator_gain(A, B, target), [[read(x) for x in row] for row in K])
 
 
-def sampled(found, text):
-    difference = sympify(found) - read(text)
+def sampled(answer, text):
+    difference = sympify(answer) - read(text)
     points = (sympy.Rational(5, 3), sympy.Rational(-7, 2))
     difference = difference.subs(NAMES["h"], sympy.Rational(3, 4))
     return all(abs(sympy.N(difference.subs(NAMES["z"], z), DIGITS)) < 1e-30 for z in points)
 
 
 def zero_order_hold(G, step, H):
-    found = exact.sampling.zero_order_hold(G, sympify(step, locals=NAMES))
-    system = found.transfer_function
-    values = dict(found.exponentials)
+    answer = exact.sampling.zero_order_hold(G, sympify(step, locals=NAMES))
+    system = answer.transfer_function
+    values = dict(answer.exponentials)
     return sampled(system.as_expr().subs(values), H)
 
 
@@ -235,9 +235,9 @@ def tustin(G, step, H):
 
 def response_at(G, U, times, values):
     result = exact.time_response(G, U)
-    found = [result.expression.subs(result.time, sympify(time)).evalf(25) for time in times]
+    answer = [result.expression.subs(result.time, sympify(time)).evalf(25) for time in times]
     return all(
-        abs(one - sympy.Float(value, 25)) < 1e-15 for one, value in zip(found, values, strict=True)
+        abs(one - sympy.Float(value, 25)) < 1e-15 for one, value in zip(answer, values, strict=True)
     )
 
 
@@ -262,9 +262,9 @@ def symbolic_step(G, variable, y):
 
 
 def symbolic_transition(A, variable, value):
-    found = exact.transition_matrix(A, variable).expression
+    answer = exact.transition_matrix(A, variable).expression
     expected = sympy.Matrix(sympify(value, locals=NAMES))
-    pairs = zip(found, expected, strict=True)
+    pairs = zip(answer, expected, strict=True)
     return all(vanishes(plain(one) - other) for one, other in pairs)
 
 
@@ -273,19 +273,19 @@ def undershoot(G, value):
 
 
 def stability_intervals(p, parameter, interval):
-    found = exact.stability_intervals(p, parameter).intervals
+    answer = exact.stability_intervals(p, parameter).intervals
     if interval == "none":
-        return found == ()
-    (cell,) = found
+        return answer == ()
+    (cell,) = answer
     lower, upper = interval.strip("()").split(", ")
     return close_end(cell.lower, lower) and close_end(cell.upper, upper)
 
 
-def close_end(found, text):
+def close_end(answer, text):
     """Whether an end of an interval, which may be infinite, is that of the file."""
     if "oo" in text:
-        return str(found) == text
-    return bool(abs(sympy.N(found, DIGITS) - sympy.N(read(text), DIGITS)) < 1e-30)
+        return str(answer) == text
+    return bool(abs(sympy.N(answer, DIGITS) - sympy.N(read(text), DIGITS)) < 1e-30)
 
 
 def stability_delays(coefficients, largest):
@@ -297,12 +297,12 @@ def stability_delays(coefficients, largest):
 
 def matrix_poles_and_zeros(G, poles, zeros):
     system = exact.transfer_matrix(G)
-    found = [
+    answer = [
         [sympy.nsimplify(sympify(root.value), rational=True) for root in part
          for _ in range(root.multiplicity)]
         for part in (system.poles(), system.zeros())
     ]  # fmt: skip
-    return same_set(found[0], poles) and same_set(found[1], zeros)
+    return same_set(answer[0], poles) and same_set(answer[1], zeros)
 
 
 def discrete_gain_margin(G, gain):
@@ -310,21 +310,21 @@ def discrete_gain_margin(G, gain):
 
 
 def observer_gain(A, C, target, F):
-    found = exact.observer_gain(A, C, target, variable="s")
-    return equal(found, [[read(x) for x in row] for row in F])
+    answer = exact.observer_gain(A, C, target, variable="s")
+    return equal(answer, [[read(x) for x in row] for row in F])
 
 
 def symbolic_hold(G, step, H):
-    found = exact.sampling.zero_order_hold(G, step, variable="s")
-    system = found.transfer_function.as_expr().subs(dict(found.exponentials))
+    answer = exact.sampling.zero_order_hold(G, step, variable="s")
+    system = answer.transfer_function.as_expr().subs(dict(answer.exponentials))
     return vanishes(plain(system) - read(H))
 
 
 def departure(G, angle):
     locus = exact.root_locus(G, feedback=-1)
     upper = [one for one in locus.departures if sympy.im(sympify(one.at.value)) > 0]
-    (found,) = upper[0].angles
-    difference = (found.centre - sympy.Float(angle, 20)) / (2 * sympy.pi)
+    (answer,) = upper[0].angles
+    difference = (answer.centre - sympy.Float(angle, 20)) / (2 * sympy.pi)
     return bool(abs(difference - round(float(difference))) < 1e-14) and len(upper) == 1
 
 

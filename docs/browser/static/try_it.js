@@ -8,7 +8,7 @@
   const STOPPED = "stopped; the next run starts Python again";
   const SLOW = "Python has not started in three minutes; the server must allow 'wasm-unsafe-eval' in its Content-Security-Policy";
   let worker = null, number = 0, formulas = null;
-  const waiting = new Map();  // number of a run: who is told
+  const waiting = new Map();  // number of a run: who hears the reply
   const ran = new Set();      // blocks that the present worker has run
 
   const element = (tag, properties = {}, ...children) => {
@@ -19,8 +19,8 @@
 
   async function missing(path) {
     if (location.protocol === "file:") return SERVE;
-    const found = await fetch(new URL(path, lite), { method: "HEAD" }).catch(() => null);
-    return found?.ok ? "" : ADD;
+    const response = await fetch(new URL(path, lite), { method: "HEAD" }).catch(() => null);
+    return response?.ok ? "" : ADD;
   }
 
   function end(error) {
@@ -38,10 +38,10 @@
       worker.onerror = event => end(`Python does not start: ${event.message || "the worker is refused"}`);
     }
     const late = setTimeout(() => end(SLOW), 180_000);
-    waiting.set(mine, told => {
-      if (told.done || told.state === "computing …") clearTimeout(late);
-      if (told.done) waiting.delete(mine);
-      tell(told);
+    waiting.set(mine, reply => {
+      if (reply.done || reply.state === "computing …") clearTimeout(late);
+      if (reply.done) waiting.delete(mine);
+      tell(reply);
     });
     worker.postMessage({ number: mine, ...message });
   }
@@ -91,12 +91,12 @@
       answers.replaceChildren();
       const before = blocks.slice(0, blocks.indexOf(one)).filter(other => other.scope === one.scope && !ran.has(other));
       const message = { scope: String(scopes.indexOf(one.scope)), earlier: before.map(other => other.code), code: one.code };
-      ask(message, told => {
-        if (told.state) state.textContent = told.state;
-        if (told.answer) show(told.answer, answers);
-        if (!told.done) return;
-        if (!told.error) [...before, one].forEach(other => ran.add(other));
-        finish(told.error);
+      ask(message, reply => {
+        if (reply.state) state.textContent = reply.state;
+        if (reply.answer) show(reply.answer, answers);
+        if (!reply.done) return;
+        if (!reply.error) [...before, one].forEach(other => ran.add(other));
+        finish(reply.error);
       });
     };
     return form;

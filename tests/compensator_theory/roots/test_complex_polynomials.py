@@ -35,10 +35,10 @@ def test_planted_roots_are_counted_and_enclosed(roots, leading):
     signs = [sympy.sign(a) for a, _ in roots]
     assert (count.stable, count.boundary, count.unstable) == tuple(map(signs.count, (-1, 0, 1)))
     assert decide_stability(p, "s").is_stable == (set(signs) == {-1})
-    found = certified_roots(p, "s")
-    assert sum(root.multiplicity for root in found) == len(roots)
+    answer = certified_roots(p, "s")
+    assert sum(root.multiplicity for root in answer) == len(roots)
     for a, b in set(roots):
-        (near,) = [r for r in found if abs(r.value - complex(a, b)) <= r.radius + 1e-14]
+        (near,) = [r for r in answer if abs(r.value - complex(a, b)) <= r.radius + 1e-14]
         assert near.multiplicity == roots.count((a, b)) and near.is_real == (b == 0)
 
 
@@ -87,15 +87,15 @@ def test_partial_fractions_sum_up(poles, zeros):
     assume(len(set(poles)) > 0)
     N, D = planted(zeros, s), planted(poles, s)
     assume(any(c.has(I) for c in Poly(N, s).all_coeffs() + Poly(D, s).all_coeffs()))
-    found = partial_fractions(N / D, "s")
-    assert found.certificate.holds
+    answer = partial_fractions(N / D, "s")
+    assert answer.certificate.holds
     for point in (Rational(7, 3), 5 + I):
-        total = found.polynomial.as_expr().subs(s, point) + sum(
+        total = answer.polynomial.as_expr().subs(s, point) + sum(
             (t.numerator.as_expr() / t.factor.as_expr() ** t.power).subs(s, point)
-            for t in found.terms
+            for t in answer.terms
         )
         assert sympy.simplify(total - (N / D).subs(s, point)) == 0
-    assert all(t.factor.degree() == 1 for t in found.terms)
+    assert all(t.factor.degree() == 1 for t in answer.terms)
 
 
 def test_what_cancels_to_real_is_real():

@@ -124,8 +124,8 @@ def test_planted_roots_are_counted(roots, pairs):
 
 def test_ties_are_decided():
     """1 + L = 0 exactly at z = -1: (1 + exp(-1)) / (z - exp(-1)) at z = -1 is -1."""
-    found = stability_margins("(1 + exp(-1))/(z - exp(-1))", feedback=-1)
-    assert found.closed_loop.boundary == 1 and not found.is_stable
+    answer = stability_margins("(1 + exp(-1))/(z - exp(-1))", feedback=-1)
+    assert answer.closed_loop.boundary == 1 and not answer.is_stable
     sampled = zero_order_hold("1/(s + 1)", 1)
     hidden = stability_margins(sampled, "(z - exp(-1))/z", feedback=-1)
     assert hidden.hidden.degree() == 1 and hidden.is_stable
@@ -137,9 +137,9 @@ def test_ties_are_decided():
 
 def test_two_parts_share_their_exponential():
     """exp(-1/10) and exp(-1/15) are powers of exp(-1/30); the loop has the difference of no two."""
-    found = stability_margins("1/(z - exp(-1/10))", "(z - exp(-1/15))/z", feedback=-1)
-    ((_, value),) = found.exponentials
-    assert value == exp(Rational(-1, 30)) and found.hidden.degree() == 0
+    answer = stability_margins("1/(z - exp(-1/10))", "(z - exp(-1/15))/z", feedback=-1)
+    ((_, value),) = answer.exponentials
+    assert value == exp(Rational(-1, 30)) and answer.hidden.degree() == 0
 
 
 def test_texts_and_objects_are_read_alike():
@@ -155,8 +155,8 @@ def test_texts_and_objects_are_read_alike():
 
 def test_continuous_time():
     """1/(s + exp(-1)): crossover at sqrt(1 - exp(-2)), norm exp(1)."""
-    found = stability_margins("1/(s + exp(-1))", feedback=-1)
-    (crossover,) = found.gain_crossovers
+    answer = stability_margins("1/(s + exp(-1))", feedback=-1)
+    (crossover,) = answer.gain_crossovers
     agree([crossover.frequency.centre], [sympy.sqrt(1 - exp(-2))])
     agree([h_infinity_norm("1/(s + exp(-1))").enclosure.centre], [sympy.E])
 
