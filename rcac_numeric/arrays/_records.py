@@ -115,8 +115,8 @@ class Records:
             return _exact()[name](**parts)
         if name not in self._classes:
             raise ValueError(
-                f"a {name[:60]!r} is not an allowed class; a run of IndirectSettings is read after "
-                "from rcac_numeric.estimation import IndirectSettings"
+                f"a {name[:60]!r} is not an allowed class of the packages that are imported; one "
+                "of rcac_numeric.estimation is read after an import of that"
             )
         record = self._classes[name](**_by_argument(self._classes[name], parts))
         require_declared(record)
