@@ -39,11 +39,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("site", type=Path)
     parser.add_argument("--lecture", help="its name, or all; drawn by default")
+    parser.add_argument("--seed", type=int, help="of the draw")
     options = parser.parse_args()
     names = [path.stem for path in exact_lectures()]
     if options.lecture not in {None, "all", *names}:
         parser.error(f"the exact lectures are {', '.join(names)}")
-    drawn = names if options.lecture == "all" else [options.lecture or random.choice(names)]
+    drawn = (
+        names
+        if options.lecture == "all"
+        else [options.lecture or random.Random(options.seed).choice(names)]
+    )
     wrong: list[str] = []
     try:
         with chromium() as browser, served(options.site) as site:
