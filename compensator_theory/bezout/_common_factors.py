@@ -127,11 +127,11 @@ def bezout_identity(
     Examples
     --------
     >>> from compensator_theory import bezout_identity
-    >>> found = bezout_identity("s**2 + 1", "s + 2")
-    >>> found.is_coprime, found.residual.is_zero
+    >>> identity = bezout_identity("s**2 + 1", "s + 2")
+    >>> identity.is_coprime, identity.residual.is_zero
     (True, True)
-    >>> found = bezout_identity("s + a", "s + b", variable="s")
-    >>> found.is_coprime is None, found.exceptional
+    >>> identity = bezout_identity("s + a", "s + b", variable="s")
+    >>> identity.is_coprime is None, identity.exceptional
     (True, (a - b,))
     """
     first, second = in_one_variable(a, b, variable=variable)

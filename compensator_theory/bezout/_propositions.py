@@ -103,8 +103,8 @@ def check_proposition_3(
     Examples
     --------
     >>> from compensator_theory.bezout import check_proposition_3
-    >>> found = check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1)
-    >>> found.left, found.holds, found.printed_holds
+    >>> proposition = check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1)
+    >>> proposition.left, proposition.holds, proposition.printed_holds
     (True, True, True)
     """
     d, b, n = _read(D, N, n_c, m_hat, variable)

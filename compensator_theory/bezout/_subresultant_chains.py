@@ -88,8 +88,8 @@ def subresultants(
     Examples
     --------
     >>> from compensator_theory.bezout import subresultants
-    >>> found = subresultants("(s - 1)*(s - 2)*(s - 3)*(s + 1)", "(s - 1)*(s - 2)*(s + 4)")
-    >>> found.principal_coefficients, found.gcd
+    >>> chain = subresultants("(s - 1)*(s - 2)*(s - 3)*(s + 1)", "(s - 1)*(s - 2)*(s + 4)")
+    >>> chain.principal_coefficients, chain.gcd
     ((0, 0, 21, 1), Poly(21*s**2 - 63*s + 42, s, domain='QQ'))
     """
     first, second = in_one_variable(a, b, variable=variable)

@@ -84,15 +84,15 @@ def exceptional_cases(
     Examples
     --------
     >>> from compensator_theory import exceptional_cases, solve_diophantine
-    >>> found = exceptional_cases(solve_diophantine, "s - a", "s - b", "s - c", variable="s")
-    >>> for case in found.cases:
+    >>> analysis = exceptional_cases(solve_diophantine, "s - a", "s - b", "s - c", variable="s")
+    >>> for case in analysis.cases:
     ...     print(case.conditions, "->", case.status)
     a - b != 0 -> answered
     a = b, b - c != 0 -> refused
     a = c, b = c -> answered
-    >>> print(found.cases[-1])
+    >>> print(analysis.cases[-1])
     a = c, b = c: x = 1 + t*(1), y = 0 + t*(-1)
-    >>> found.cases[1].error.__name__, found.is_complete
+    >>> analysis.cases[1].error.__name__, analysis.is_complete
     ('NoSolutionError', True)
     """
     if not callable(function):

@@ -139,10 +139,10 @@ def coprime_fractions(
     --------
     >>> from compensator_theory import coprime_fractions
     >>> G = [["1/(s + 1)", "2/(s + 1)"], ["-1/((s + 1)*(s + 2))", "1/(s + 2)"]]
-    >>> found = coprime_fractions(G)
-    >>> print(found.D_l, found.N_l, found.order)
+    >>> fractions = coprime_fractions(G)
+    >>> print(fractions.D_l, fractions.N_l, fractions.order)
     [[s + 1, 0], [0, s**2 + 3*s + 2]] [[1, 2], [-1, s + 1]] 3
-    >>> print(found.X_r @ found.D_r + found.Y_r @ found.N_r)
+    >>> print(fractions.X_r @ fractions.D_r + fractions.Y_r @ fractions.N_r)
     [[1, 0], [0, 1]]
     """
     source = transfer_matrix(G, variable)

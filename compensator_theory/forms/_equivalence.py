@@ -53,10 +53,10 @@ class Equivalence(Certified, ExactValue):
     Examples
     --------
     >>> from compensator_theory.forms import popov_form
-    >>> found = popov_form([["s**2", "s**2 + 1"], ["s", "s"]])
-    >>> print(found, found.row_degrees, found.pivots)
+    >>> form = popov_form([["s**2", "s**2 + 1"], ["s", "s"]])
+    >>> print(form, form.row_degrees, form.pivots)
     [[0, 1], [s, 0]] (0, 1) (1, 0)
-    >>> print(found.certificate)
+    >>> print(form.certificate)
     U P V = F, U U^-1 = I, V V^-1 = I: holds exactly
     """
 

@@ -124,8 +124,8 @@ class PartialFractions(ExactValue):
     Examples
     --------
     >>> from compensator_theory import partial_fractions
-    >>> found = partial_fractions("(s + 5)/(s**2 + 3*s + 2)")
-    >>> print(found, found.certificate.holds)
+    >>> expansion = partial_fractions("(s + 5)/(s**2 + 3*s + 2)")
+    >>> print(expansion, expansion.certificate.holds)
     (4)/(s + 1) + (-3)/(s + 2) True
     """
 

@@ -118,8 +118,8 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol | None = None) -> Frobe
     Examples
     --------
     >>> from compensator_theory.forms import frobenius_form
-    >>> found = frobenius_form([[3, -1, 2, -1], [1, 1, 2, -1], [-1, 1, 1, 1], [-2, 2, -2, 4]])
-    >>> print(found)
+    >>> form = frobenius_form([[3, -1, 2, -1], [1, 1, 2, -1], [-1, 1, 1, 1], [-2, 2, -2, 4]])
+    >>> print(form)
     companions of s - 2, s**3 - 7*s**2 + 16*s - 12
     >>> frobenius_form([["a", 1], [0, "b"]]).exceptional
     ()

@@ -115,15 +115,15 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
     Examples
     --------
     >>> from compensator_theory.forms import jordan_form
-    >>> found = jordan_form([[0, 1, 0], [0, 0, 1], [2, -5, 4]])
-    >>> print(found, found.form)
+    >>> form = jordan_form([[0, 1, 0], [0, 0, 1], [2, -5, 4]])
+    >>> print(form, form.form)
     rational Jordan blocks of (s - 2), (s - 1)**2 Matrix([[2, 0, 0], [0, 1, 1], [0, 0, 1]])
     >>> jordan_form([[0, 1], [-5, -2]], over="real").form
     Matrix([
     [-1,  2],
     [-2, -1]])
-    >>> found = jordan_form([["a", 1], [0, "b"]])
-    >>> print(found, found.exceptional)
+    >>> form = jordan_form([["a", 1], [0, "b"]])
+    >>> print(form, form.exceptional)
     rational Jordan blocks of (s - b), (s - a) (a - b,)
     """
     if not is_one_of(over, ("rational", "real", "complex")):

@@ -147,8 +147,8 @@ def kalman_decomposition(
     Examples
     --------
     >>> from compensator_theory import kalman_decomposition
-    >>> found = kalman_decomposition(([[-1, 0], [0, -2]], [[1], [0]], [[1, 1]]), "s")
-    >>> found.dimensions, found.input_decoupling
+    >>> decomposition = kalman_decomposition(([[-1, 0], [0, -2]], [[1], [0]], [[1, 1]]), "s")
+    >>> decomposition.dimensions, decomposition.input_decoupling
     ((0, 1, 0, 1), Poly(s + 2, s, domain='QQ'))
     >>> kalman_decomposition(([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]]), "s").exceptional
     (c, a - b)

@@ -185,10 +185,10 @@ def solve_matrix_diophantine(
     --------
     >>> from compensator_theory import solve_matrix_diophantine
     >>> D_l, N_l = [["s - 1", 0], [0, "s"]], [["1"], ["s + 1"]]
-    >>> found = solve_matrix_diophantine(D_l, N_l, [["s**2", 0], [0, "s**2"]], variable="s")
-    >>> print(found.X, found.Y)
+    >>> solution = solve_matrix_diophantine(D_l, N_l, [["s**2", 0], [0, "s**2"]], variable="s")
+    >>> print(solution.X, solution.Y)
     [[s, 0], [-s - 1, s]] [[s, 0]]
-    >>> found.degrees, found.kernel.indices, found.number_of_parameters(2)
+    >>> solution.degrees, solution.kernel.indices, solution.number_of_parameters(2)
     ((1, 1), (2,), 1)
     """
     if not is_one_of(side, IDENTITY):

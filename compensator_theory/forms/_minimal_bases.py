@@ -114,8 +114,8 @@ def minimal_basis(
     Examples
     --------
     >>> from compensator_theory.forms import minimal_basis
-    >>> found = minimal_basis([["s**2 + 1", "s", "s**3"]])
-    >>> print(found, found.indices)
+    >>> basis = minimal_basis([["s**2 + 1", "s", "s**3"]])
+    >>> print(basis, basis.indices)
     [[-s, -s], [1, s**2 + 1], [1, 0]] (1, 2)
     """
     P = polynomial_matrix(matrix, variable)

@@ -144,10 +144,10 @@ def solve_diophantine(
     Examples
     --------
     >>> from compensator_theory import solve_diophantine
-    >>> found = solve_diophantine("s**2 - 1", "s - 2", "(s + 1)**3")
-    >>> print(found)
+    >>> solution = solve_diophantine("s**2 - 1", "s - 2", "(s + 1)**3")
+    >>> print(solution)
     x = s + 7 + t*(s - 2), y = -4*s - 4 + t*(-s**2 + 1)
-    >>> found.member("s")[0]
+    >>> solution.member("s")[0]
     Poly(s**2 - s + 7, s, domain='QQ')
     """
     if not is_one_of(least, ("x", "y")):

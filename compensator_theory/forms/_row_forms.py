@@ -90,8 +90,8 @@ def row_reduced_form(
     Examples
     --------
     >>> from compensator_theory.forms import row_reduced_form
-    >>> found = row_reduced_form([["s**2", "s**2 + 1"], ["s", "s"]])
-    >>> print(found, found.row_degrees)
+    >>> form = row_reduced_form([["s**2", "s**2 + 1"], ["s", "s"]])
+    >>> print(form, form.row_degrees)
     [[0, 1], [s, s]] (0, 1)
     """
     source = polynomial_matrix(matrix, variable)

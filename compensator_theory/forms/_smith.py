@@ -44,8 +44,8 @@ def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     >>> from compensator_theory.forms import smith_form
     >>> print(smith_form([["s*(s + 1)", 0], [0, "s*(s + 2)"]]))
     [[s, 0], [0, s**3 + 3*s**2 + 2*s]]
-    >>> found = smith_form([["s", "a"], [0, "s"]])
-    >>> print(found, found.exceptional)
+    >>> form = smith_form([["s", "a"], [0, "s"]])
+    >>> print(form, form.exceptional)
     [[1, 0], [0, s**2]] (a,)
     """
     source = polynomial_matrix(matrix, variable)

@@ -133,8 +133,8 @@ def smith_mcmillan_form(
     --------
     >>> from compensator_theory.forms import smith_mcmillan_form
     >>> G = [["s/((s + 1)**2*(s + 2)**2)", "s/(s + 2)**2"], ["-s/(s + 1)**2", "-s/(s + 1)**2"]]
-    >>> found = smith_mcmillan_form(G)
-    >>> print(found, found.mcmillan_degree)
+    >>> form = smith_mcmillan_form(G)
+    >>> print(form, form.mcmillan_degree)
     diag((s)/(s**4 + 6*s**3 + 13*s**2 + 12*s + 4), (s**3 + 2*s**2)/(s**2 + 2*s + 1)) 6
     """
     source = transfer_matrix(G, variable)

@@ -172,8 +172,8 @@ def zero_order_hold(
     B = [[1 - x]]
     C = [[1]]
     x = exp(-h)
-    >>> found = zero_order_hold("1/(s**2 + 1)")
-    >>> found.realisation.A[0, 0], found.exponentials  # cos(h)
+    >>> sampled = zero_order_hold("1/(s**2 + 1)")
+    >>> sampled.realisation.A[0, 0], sampled.exponentials  # cos(h)
     ((1 - y**2)/(y**2 + 1), ((y, tan(h/2)),))
     >>> from sympy import pi
     >>> print(zero_order_hold("1/(s**2 + 1)", pi / 2).transfer_function)

@@ -99,8 +99,8 @@ def feedback_connection(
     >>> print(feedback_connection("1/(s - 1)", "k*(s + 2)/(s + 3)", feedback=-1))
     (s + 3)/(s**2 + (k + 2)*s + (2*k - 3))
     >>> G = transfer_matrix([["1/(s + 1)", "1/s"], [0, "1/(s + 2)"]])
-    >>> found = feedback_connection(G, [["k", 0], [0, "k"]], feedback=-1)
-    >>> print(found.denominator.as_expr().factor())
+    >>> closed_loop = feedback_connection(G, [["k", 0], [0, "k"]], feedback=-1)
+    >>> print(closed_loop.denominator.as_expr().factor())
     s*(k + s + 1)*(k + s + 2)
     """
     if any(_is_matrix(part, variable) for part in (plant, compensator)):

@@ -345,16 +345,16 @@ def lqg_controller(plant: StandardProblem, *, digits: int = 30) -> LQGController
     Examples
     --------
     >>> from compensator_theory import StandardProblem, lqg_controller, standard_problem
-    >>> found = lqg_controller(standard_problem("(q - 2)/(q**2 - 1/4)"))
-    >>> found.regulator.P.tolist(), found.cost
+    >>> controller = lqg_controller(standard_problem("(q - 2)/(q**2 - 1/4)"))
+    >>> controller.regulator.P.tolist(), controller.cost
     ([[4, -2], [-2, 4]], 128/25)
     >>> plant = StandardProblem(A=[[0, 1], [0, 0]], B=[[0], [1]], C=[[1, 0]],
     ...     D_1=[[0, 0], [1, 0]], D_0=None, D_2=[[0, 1]],
     ...     E_1=[[1, 0], [0, 0]], E_2=[[0], [1]], E_0=None, variable="s")
-    >>> found = lqg_controller(plant)
-    >>> found.regulator.K, found.cost
+    >>> controller = lqg_controller(plant)
+    >>> controller.regulator.K, controller.cost
     (Matrix([[-1, -sqrt(2)]]), 6*sqrt(2))
-    >>> print(found.compensator)
+    >>> print(controller.compensator)
     (-2*sqrt(2)*s - 1)/(s**2 + 2*sqrt(2)*s + 4)
     """
     sides = regulator_and_estimator(plant)

@@ -113,8 +113,8 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
     Examples
     --------
     >>> from compensator_theory import gramians
-    >>> found = gramians("1/(s**2 + a*s + b)", "s")
-    >>> found.norm_squared, found.conditions
+    >>> result = gramians("1/(s**2 + a*s + b)", "s")
+    >>> result.norm_squared, result.conditions
     (1/(2*a*b), (b, a))
     >>> gramians("1/(z - 1/2)").norm_squared
     4/3

@@ -120,8 +120,8 @@ def solve_regulator_equations(
     --------
     >>> from compensator_theory import solve_regulator_equations
     >>> sine = [[0, 1], [-1, 0]]
-    >>> found = solve_regulator_equations("1/(s**2 + 3*s + 2)", sine, [[-1, 0]])
-    >>> found.Pi, found.Gamma
+    >>> solution = solve_regulator_equations("1/(s**2 + 3*s + 2)", sine, [[-1, 0]])
+    >>> solution.Pi, solution.Gamma
     (Matrix([
     [1, 0],
     [0, 1]]), Matrix([[1, 3]]))

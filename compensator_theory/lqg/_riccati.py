@@ -312,13 +312,13 @@ def solve_riccati(
     Examples
     --------
     >>> from compensator_theory import solve_riccati
-    >>> found = solve_riccati([[0, 1], ["-1/4", 1]], [[0], [1]], E_1=[["-6/5", 1]],
+    >>> solution = solve_riccati([[0, 1], ["-1/4", 1]], [[0], [1]], E_1=[["-6/5", 1]],
     ...     time="discrete")
-    >>> found.K, found.factor.polynomial.as_expr(), found.factor.constant
+    >>> solution.K, solution.factor.polynomial.as_expr(), solution.factor.constant
     (Matrix([[1/4, -1/6]]), q**2 - 5*q/6, 36/25)
     >>> A, B, Q, R = [[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 0]], [[1]]
-    >>> found = solve_riccati(A, B, Q, R, time="continuous")
-    >>> print(found)
+    >>> solution = solve_riccati(A, B, Q, R, time="continuous")
+    >>> print(solution)
     K = [[-1, -sqrt(2)]], P = [[sqrt(2), 1], [1, sqrt(2)]]
     χ = s**2 + 1.4142135623730950488*s + 1.0000000000000000000
     R = 1

@@ -148,16 +148,16 @@ def riccati_formula(
     Examples
     --------
     >>> from compensator_theory import riccati_formula
-    >>> found = riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time="continuous")
-    >>> found.P, found.conditions
+    >>> formula = riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time="continuous")
+    >>> formula.P, formula.conditions
     (Matrix([[a + sqrt(a**2 + q)]]), (a**2 + q,))
-    >>> found = riccati_formula([[0, 1], [0, 0]], [[0], [1]], Q=[["q", 0], [0, 0]], R=[["r"]],
+    >>> formula = riccati_formula([[0, 1], [0, 0]], [[0], [1]], Q=[["q", 0], [0, 0]], R=[["r"]],
     ...     time="continuous")
-    >>> found.K, found.exceptional
+    >>> formula.K, formula.exceptional
     (Matrix([[-sqrt(q/r), -sqrt(2)*(q/r)**(1/4)]]), (r,))
-    >>> found = riccati_formula([["a", 0], [0, "b"]], [[1, 0], [0, 1]], Q=[[1, 0], [0, "q"]],
+    >>> formula = riccati_formula([["a", 0], [0, "b"]], [[1, 0], [0, 1]], Q=[[1, 0], [0, "q"]],
     ...     R=[[1, 0], [0, 1]], time="continuous")
-    >>> found.P[1, 1], found.conditions
+    >>> formula.P[1, 1], formula.conditions
     (b + sqrt(b**2 + q), (a**2 + 1, b**2 + q))
     """
     time = require_time(time)

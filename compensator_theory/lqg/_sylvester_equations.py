@@ -66,8 +66,8 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
     Examples
     --------
     >>> from compensator_theory import solve_sylvester
-    >>> found = solve_sylvester([[0, 1], [-2, -3]], [["a"]], [[-1], [0]])
-    >>> print(found, found.exceptional)
+    >>> solution = solve_sylvester([[0, 1], [-2, -3]], [["a"]], [[-1], [0]])
+    >>> print(solution, solution.exceptional)
     X = [[(a - 3)/(a**2 - 3*a + 2)], [2/(a**2 - 3*a + 2)]] (a - 1, a - 2)
     """
     a, b, c = (exact_matrix(M, name) for M, name in ((A, "A"), (B, "B"), (C, "C")))
@@ -125,8 +125,8 @@ def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
     Matrix([
     [5/4, 1/4],
     [1/4, 1/4]])
-    >>> found = solve_lyapunov([[0, 1], ["-b", "-a"]], [[0, 0], [0, 1]])
-    >>> found.X, found.exceptional
+    >>> solution = solve_lyapunov([[0, 1], ["-b", "-a"]], [[0, 0], [0, 1]])
+    >>> solution.X, solution.exceptional
     (Matrix([
     [1/(2*a*b),       0],
     [        0, 1/(2*a)]]), (a, b))
@@ -183,8 +183,8 @@ def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> Ma
     Examples
     --------
     >>> from compensator_theory import solve_stein
-    >>> found = solve_stein([[0, 1], ["-b", "-a"]], [[0, 0], [0, 1]])
-    >>> found.X[0, 0].factor(), found.exceptional
+    >>> solution = solve_stein([[0, 1], ["-b", "-a"]], [[0, 0], [0, 1]])
+    >>> solution.X[0, 0].factor(), solution.exceptional
     ((b + 1)/((b - 1)*(a - b - 1)*(a + b + 1)), (b - 1, a + b + 1, a - b - 1))
     """
     a, q = exact_matrix(A, "A"), exact_matrix(Q, "Q")

@@ -77,10 +77,10 @@ def lqg_problem(
     >>> double_integrator = [[0, 1], [0, 0]], [[0], [1]], [[1, 0]]
     >>> problem = lqg_problem(double_integrator, [[1, 0], [0, 0]], [[1]], [[0, 0], [0, 1]], [[1]],
     ...     variable="s")
-    >>> found = lqg_controller(problem)
-    >>> found.cost
+    >>> controller = lqg_controller(problem)
+    >>> controller.cost
     6*sqrt(2)
-    >>> print(found.compensator)
+    >>> print(controller.compensator)
     (-2*sqrt(2)*s - 1)/(s**2 + 2*sqrt(2)*s + 4)
     """
     if not has_states(plant, variable):

@@ -124,10 +124,10 @@ class FunctionalObserver(ExactValue):
         >>> from compensator_theory import reduced_order_observer, regulator_gain
         >>> motor = ([[0, 1], [0, -1]], [[0], [1]], [[1, 0]])
         >>> observer = reduced_order_observer(motor, [-4], variable="s")
-        >>> found = observer.compensator(regulator_gain(*motor[:2], [-1, -2]))
-        >>> print(found.transfer_function())
+        >>> compensator = observer.compensator(regulator_gain(*motor[:2], [-1, -2]))
+        >>> print(compensator.transfer_function())
         (-8*s - 8)/(s + 6)
-        >>> print(found.certificate)
+        >>> print(compensator.certificate)
         det(sI - A_cl) = det(sI - A - BK) det(sI - N): holds exactly
         """
         plant, gain = self.plant, exact_matrix(K, "K")

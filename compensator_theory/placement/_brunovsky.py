@@ -132,8 +132,8 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     --------
     >>> from compensator_theory import brunovsky_form
     >>> A, B = [[0, 1, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [1, 0], [1, 1]]
-    >>> found = brunovsky_form(A, B)
-    >>> found.indices, found.F
+    >>> form = brunovsky_form(A, B)
+    >>> form.indices, form.F
     ((2, 1), Matrix([
     [0, 0,  0],
     [0, 1, -1]]))

@@ -127,8 +127,8 @@ def decouple(
     --------
     >>> from compensator_theory.geometry import decouple
     >>> plant = [[0, 1], [2, 3]], [[1, 0], [0, 1]], [[1, 0], [1, 1]]
-    >>> found = decouple(plant, ["s + 1", "s + 2"], variable="s")
-    >>> print(found)
+    >>> decoupling = decouple(plant, ["s + 1", "s + 2"], variable="s")
+    >>> print(decoupling)
     diag(1/(s + 1), 1/(s + 2)) with F = [[-1, -1], [-3, -5]], W = [[1, 0], [-1, 1]]
     """
     try:

@@ -139,8 +139,8 @@ def doubly_coprime_fractions(
     Examples
     --------
     >>> from compensator_theory import doubly_coprime_fractions
-    >>> found = doubly_coprime_fractions("1/(s**2 - s - 2)", [-1, -1], [-1, -1])
-    >>> print(found.N_r, found.V_r)
+    >>> fractions = doubly_coprime_fractions("1/(s**2 - s - 2)", [-1, -1], [-1, -1])
+    >>> print(fractions.N_r, fractions.V_r)
     [[1]]/(s**2 + 2*s + 1) [[s**2 + 5*s + 13]]/(s**2 + 2*s + 1)
     """
     source, exceptional = read_plant(plant, variable)

@@ -173,9 +173,9 @@ def place_matrix_poles(
     --------
     >>> from compensator_theory import place_matrix_poles
     >>> G = [["1/(s - 1)", 0], ["1/(s + 2)", "1/(s + 1)"]]
-    >>> wanted = [[-1, -2, -3], [-1, -2, -3, -4]]
-    >>> found = place_matrix_poles(G, wanted, 2, feedback=-1, internal_model="s")
-    >>> len(found.homogeneous), found.certificate.holds
+    >>> rows = [[-1, -2, -3], [-1, -2, -3, -4]]
+    >>> placement = place_matrix_poles(G, rows, 2, feedback=-1, internal_model="s")
+    >>> len(placement.homogeneous), placement.certificate.holds
     (2, True)
     """
     require_sign(feedback)

@@ -128,8 +128,8 @@ def place_poles(
     G_c = (33*s/4 + 93/4)/(s**2 + 13*s + 49)
     unique: deg N_c <= 1, deg D_c = 2
     D D_c + N N_c = s**4 + 17*s**3 + 104*s**2 + 268*s + 240
-    >>> found = place_poles("1/(s*(s + 3))", [-1, -2, -5, -6], "least", feedback=-1)
-    >>> print(found.compensator)  # D + 2 = (s + 1)(s + 2), so that no dynamics are needed
+    >>> placement = place_poles("1/(s*(s + 3))", [-1, -2, -5, -6], "least", feedback=-1)
+    >>> print(placement.compensator)  # D + 2 = (s + 1)(s + 2), so that no dynamics are needed
     (2)/(1)
     """
     require_sign(feedback)

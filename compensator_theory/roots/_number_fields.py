@@ -49,11 +49,11 @@ class NumberField(ExactValue):
     Examples
     --------
     >>> from compensator_theory import solve_riccati
-    >>> found = solve_riccati([[0, 1], [0, 0]], [[0], [1]], Q=[[1, 0], [0, 0]], R=[[1]],
+    >>> solution = solve_riccati([[0, 1], [0, 0]], [[0], [1]], Q=[[1, 0], [0, 0]], R=[[1]],
     ...     time="continuous")
-    >>> print(found.field)
+    >>> print(solution.field)
     Q(sigma), sigma the greatest real root of sigma**2 - 2
-    >>> found.field.generator
+    >>> solution.field.generator
     sqrt(2)
     """
 

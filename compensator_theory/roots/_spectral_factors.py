@@ -187,8 +187,8 @@ def spectral_factor(
     >>> high_authority = spectral_factor("3*(z - 2)*(z - 1/2)", "z**3")
     >>> high_authority.polynomial.as_expr(), high_authority.constant
     (z**3 - z**2 + z/4, 36)
-    >>> found = spectral_factor("1", "s**2", "1/4")
-    >>> found.polynomial.as_expr(), found.constant
+    >>> factor = spectral_factor("1", "s**2", "1/4")
+    >>> factor.polynomial.as_expr(), factor.constant
     (s**2 + 2*s + 2, 1/4)
     >>> print(spectral_factor("s", "s**2 - 3", 1).enclosure)
     s**2 + 3.6055512754639892931*s + 3.0000000000000000000

@@ -150,8 +150,8 @@ def decide_stability(
     >>> from compensator_theory import transfer_function
     >>> decide_stability(transfer_function("(s - 1)/((s - 1)*(s + 2))")).is_stable
     False
-    >>> found = decide_stability([1, "-1/2", "1/4"], time="discrete")
-    >>> found.is_stable, found.evidence
+    >>> decision = decide_stability([1, "-1/2", "1/4"], time="discrete")
+    >>> decision.is_stable, decision.evidence
     (True, (1/4, -2/5))
     >>> a, s = symbols("a", positive=True), symbols("s")
     >>> decide_stability(s**2 + a*s + a, time="continuous").is_stable

@@ -230,10 +230,10 @@ def stability_margins(
     stable for gain factors in (0, 3)
     |L| = 1 at 1.22706: phase margin 25.39 degrees
     L < 0 at 2.23607: gain factor 3
-    >>> found = stability_margins("1/(s*(s + 1))", feedback=-1)
-    >>> found.gain_crossovers[0].square, found.delay.value
+    >>> margins = stability_margins("1/(s*(s + 1))", feedback=-1)
+    >>> margins.gain_crossovers[0].square, margins.delay.value
     (-1/2 + sqrt(5)/2, 1.15061414365604986842 ± 5.0e-21)
-    >>> print(found.phase)  # degrees, at rad/s
+    >>> print(margins.phase)  # degrees, at rad/s
     51.8273 at 0.786151
     >>> late = stability_margins("2*exp(-3*s)/(10*s + 1)", feedback=-1)
     >>> print(late)

@@ -193,10 +193,10 @@ def stability_delays(
     >>> from compensator_theory import stability_delays
     >>> print(stability_delays(["s", "1"]))  # to pi/2
     (s) + (1)*exp(-tau*s) is stable for tau in (0, 1.5708)
-    >>> found = stability_delays(["s**2 + 4", "-1"])
-    >>> print(found)
+    >>> delays = stability_delays(["s**2 + 4", "-1"])
+    >>> print(delays)
     (s**2 + 4) + (-1)*exp(-tau*s) is stable for tau in (0, 1.40496) or (3.6276, 4.21489)
-    >>> "4" in found, found.unstable_roots(5)
+    >>> "4" in delays, delays.unstable_roots(5)
     (True, 2)
     """
     if isinstance(coefficients, str):

@@ -120,8 +120,8 @@ def laurent_expansion(
     Examples
     --------
     >>> from compensator_theory.interpolation import laurent_expansion
-    >>> found = laurent_expansion("(s + 5)/(s*(s + 1)**2)", -1, 3)
-    >>> print(found, found.residue[0, 0])
+    >>> expansion = laurent_expansion("(s + 5)/(s*(s + 1)**2)", -1, 3)
+    >>> print(expansion, expansion.residue[0, 0])
     about -1: -4 of power -2, -5 of power -1, -5 of power 0 -5
     """
     source = transfer_matrix(G, variable)

@@ -144,8 +144,8 @@ def h_infinity_norm(
     >>> from compensator_theory import h_infinity_norm
     >>> print(h_infinity_norm("1/(s**2 + s + 1)"))
     2*sqrt(3)/3 = 1.1547
-    >>> found = h_infinity_norm("(s + 1)/(s**2 + s + 2)")
-    >>> found.value, found.square_polynomial.as_expr()
+    >>> norm = h_infinity_norm("(s + 1)/(s**2 + s + 2)")
+    >>> norm.value, norm.square_polynomial.as_expr()
     (sqrt(5/7 + 4*sqrt(2)/7), 7*g**2 - 10*g - 1)
     >>> print(h_infinity_norm("1/(z - exp(-1/10))"))  # 1/(1 - exp(-1/10))
     10.5083319447750496240 ± 5.0e-20

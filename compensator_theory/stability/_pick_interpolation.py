@@ -115,11 +115,11 @@ class PickInterpolation(ExactValue):
         --------
         >>> from compensator_theory import h_infinity_norm
         >>> from compensator_theory.interpolation import nevanlinna_pick
-        >>> found = nevanlinna_pick([1, 2], ["1/2", "1/3"])
-        >>> f = found.interpolant()
+        >>> pick = nevanlinna_pick([1, 2], ["1/2", "1/3"])
+        >>> f = pick.interpolant()
         >>> print(f, h_infinity_norm(f).value)
         (3*s/4 + 15/4)/(s**2 + 15*s/4 + 17/4) 15/17
-        >>> print(found.interpolant("1"))  # lossless: the bound is reached at every frequency
+        >>> print(pick.interpolant("1"))  # lossless: the bound is reached at every frequency
         (s**2 - 3*s + 8)/(s**2 + 3*s + 8)
         >>> print(nevanlinna_pick([2, 3], ["1/3", "1/2"]).interpolant())  # unique
         (s - 1)/(s + 1)

@@ -178,8 +178,8 @@ def stability_intervals(
     Examples
     --------
     >>> from compensator_theory import stability_intervals
-    >>> found = stability_intervals("s*(s - 1)*(s**2 + 4*s + 16) + k*(s + 1)", "k")
-    >>> [(cell.lower, cell.upper) for cell in found.intervals]
+    >>> intervals = stability_intervals("s*(s - 1)*(s**2 + 4*s + 16) + k*(s + 1)", "k")
+    >>> [(cell.lower, cell.upper) for cell in intervals.intervals]
     [(59/2 - 3*sqrt(17)/2, 3*sqrt(17)/2 + 59/2)]
     """
     p, k = polynomial(poly, variable), as_symbol(parameter)

@@ -185,10 +185,10 @@ def stability_region(
     Examples
     --------
     >>> from compensator_theory import stability_region
-    >>> found = stability_region("s*(s + 1)**3 + k_p*s + k_i", "k_p", "k_i")
-    >>> print(found)
+    >>> region = stability_region("s*(s + 1)**3 + k_p*s + k_i", "k_p", "k_i")
+    >>> print(region)
     k_p in (-1, 8): k_i in (0, -k_p**2/9 + 7*k_p/9 + 8/9)
-    >>> ("1", "1/2") in found, ("1", "2") in found
+    >>> ("1", "1/2") in region, ("1", "2") in region
     (True, False)
 
     All PID controllers k_p + k_i/s + k_d s of 1/(s (s + 1)):

@@ -202,8 +202,8 @@ def run_counterexample(evidence: Counterexample) -> Outcome:
     --------
     >>> from proofs.ledger.checks import run_counterexample
     >>> from proofs.ledger.entries import Counterexample
-    >>> found = run_counterexample(Counterexample("...", "resultants.both_leading_zeros"))
-    >>> found.status, len(found.facts)
+    >>> outcome = run_counterexample(Counterexample("...", "resultants.both_leading_zeros"))
+    >>> outcome.status, len(outcome.facts)
     ('holds', 2)
     """
     check: Callable[[], Iterator[tuple[str, bool]]] = resolve("counterexamples", evidence.check)

@@ -100,8 +100,8 @@ def mutants(package: str, check: str, code: Code | None = None) -> Iterator[Muta
     Examples
     --------
     >>> from proofs.ledger.mutants import mutants
-    >>> found = next(mutants("symbolic", "joint_fit.unseen_direction"))
-    >>> " -> " in found.change, found.is_caught
+    >>> mutant = next(mutants("symbolic", "joint_fit.unseen_direction"))
+    >>> " -> " in mutant.change, mutant.is_caught
     (True, True)
     """
     module, _, name = check.partition(".")

@@ -51,8 +51,8 @@ def verify(
     >>> from proofs.ledger.ledger import select
     >>> from proofs.formal.rocq_build import NOT_COMPILED
     >>> from proofs.ledger.verification import verify
-    >>> (found,) = verify(select(["lemma-1"]), NOT_COMPILED, quick=True)
-    >>> found.holds, [outcome.kind for outcome in found.outcomes]
+    >>> (verified,) = verify(select(["lemma-1"]), NOT_COMPILED, quick=True)
+    >>> verified.holds, [outcome.kind for outcome in verified.outcomes]
     (True, ['formal', 'property', 'counterexample'])
     """
     known: dict[tuple[str, str], Outcome] = {}

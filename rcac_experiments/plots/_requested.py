@@ -55,8 +55,8 @@ def plot_request(
     >>> from rcac_experiments import FigureRequest, verify
     >>> from rcac_experiments.plots import plot_request
     >>> from rcac_experiments.dissertation import load_example
-    >>> found = verify(load_example("2.1"))
-    >>> figure = plot_request(found, FigureRequest("responses", "What R_theta does."))
+    >>> verification = verify(load_example("2.1"))
+    >>> figure = plot_request(verification, FigureRequest("responses", "What R_theta does."))
     >>> figure.axes[0].get_xlabel()
     'step $k$'
     """

@@ -140,8 +140,8 @@ def summarise(
     ...     {"run": np.arange(4), "n_c": np.array([1, 1, 2, 2]), "rms": np.array([1., 3., 2., 9.]),
     ...      "outcome": np.array(["completed", "completed", "completed", "diverged"])},
     ...     axes=("n_c",), measures=("rms",))
-    >>> found = summarise(table, "rms")
-    >>> found["median"].tolist(), found["not_completed"].tolist()
+    >>> summary = summarise(table, "rms")
+    >>> summary["median"].tolist(), summary["not_completed"].tolist()
     ([2.0, 2.0], [0, 1])
     """
     instance_of(table, "table", SweepTable)

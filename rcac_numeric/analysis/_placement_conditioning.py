@@ -45,8 +45,8 @@ class PlacementConditioning(Result):
     Examples
     --------
     >>> from rcac_numeric import placement_conditioning
-    >>> found = placement_conditioning("4/((s + 1)*(s + 3))", [-6, -5, -4, -2], feedback=-1)
-    >>> found.digits > 13, found.float64_is_stable
+    >>> conditioning = placement_conditioning("4/((s + 1)*(s + 3))", [-6, -5, -4, -2], feedback=-1)
+    >>> conditioning.digits > 13, conditioning.float64_is_stable
     (True, True)
     """
 

@@ -105,15 +105,15 @@ def solve_riccati(
     --------
     >>> from rcac_numeric import solve_riccati
     >>> A, B, Q = [[2.0, -1.0], [1.0, 0.0]], [[1.0], [0.0]], [[0.0, 0.0], [0.0, 1.0]]
-    >>> found = solve_riccati(A, B, Q, time="discrete")
-    >>> found.P.round(12) + 0.0
+    >>> solution = solve_riccati(A, B, Q, time="discrete")
+    >>> solution.P.round(12) + 0.0
     array([[1., 0.],
            [0., 1.]])
-    >>> found.residual < 1e-14, round(found.margin, 6)
+    >>> solution.residual < 1e-14, round(solution.margin, 6)
     (True, 1.0)
     >>> A, B, Q, R = [[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 0]], [[1]]
-    >>> found = solve_riccati(A, B, Q, R, time="continuous")  # the double integrator: -1, -sqrt(2)
-    >>> found.K.round(12), found.residual < 1e-14
+    >>> solution = solve_riccati(A, B, Q, R, time="continuous")  # poles: -1, -sqrt(2)
+    >>> solution.K.round(12), solution.residual < 1e-14
     (array([[-1.        , -1.41421356]]), True)
     >>> solve_riccati([[1]], [[1]], E_1=[[0], [0]], E_2=[[0], [1]], time="continuous").P
     array([[2.]])

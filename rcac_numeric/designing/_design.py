@@ -456,11 +456,11 @@ def design(
     Examples
     --------
     >>> from rcac_numeric import Step, design
-    >>> found = design("1/(10*s + 1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5),
+    >>> result = design("1/(10*s + 1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5),
     ...                noise=0.01, seeds=1, steps=500)
-    >>> found.settings.structure.n_c, found.fixed.compensator.n_c
+    >>> result.settings.structure.n_c, result.fixed.compensator.n_c
     (4, 4)
-    >>> print(str(found.verdict).partition(":")[0])
+    >>> print(str(result.verdict).partition(":")[0])
     Use the fixed controller
     """
     if uncertainty is not None:

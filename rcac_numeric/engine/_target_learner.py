@@ -88,8 +88,8 @@ class TargetLearner(ShowsState):
     ...     structure=iir(4), target=fir_target(ModellingInformation(1, -1.0)), update=UD(10.0))
     >>> learner = TargetLearner(mu=6, n_mod=2, order=2, window=40)
     >>> run = simulate(plant, settings, w, on_step=learner, every=40)
-    >>> [(found.k, found.action, found.nmp_zeros.real.round(6).tolist())
-    ...  for found in learner.windows]
+    >>> [(window.k, window.action, window.nmp_zeros.real.round(6).tolist())
+    ...  for window in learner.windows]
     [(40, 'updated', [1.5]), (80, 'unchanged', [1.5])]
     """
 

@@ -254,8 +254,8 @@ def estimate(
     --------
     >>> from rcac_numeric.estimation import EKF, LinearModel, estimate
     >>> model = LinearModel(A=[[1, 0.1], [0, 1]], C=[[1, 0]])
-    >>> found = estimate(EKF(model, Q=1e-9, R=1e-4, P_0=10), y=[0.2 * k for k in range(50)])
-    >>> found.x[-1].round(2)
+    >>> estimates = estimate(EKF(model, Q=1e-9, R=1e-4, P_0=10), y=[0.2 * k for k in range(50)])
+    >>> estimates.x[-1].round(2)
     array([9.8, 2. ])
     """
     estimates = estimated_record(

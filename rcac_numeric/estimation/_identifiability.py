@@ -109,8 +109,8 @@ def noise_information(
     >>> track = EKF(LinearModel(A=[[1, 1], [0, 1]], C=[[1, 0]]), Q=0.1, R=1)
     >>> len(noise_information(track, 1000).unidentified)  # position and its cross term
     1
-    >>> told = noise_information(track, 1000, diagonal=True)
-    >>> print(told)
+    >>> information = noise_information(track, 1000, diagonal=True)
+    >>> print(information)
     the measurements identify every learned entry of Q and R.
     """
     instance_of(settings, "settings", EKF)

@@ -129,8 +129,8 @@ def fit_noises(
     >>> from rcac_numeric.estimation import EKF, LinearModel, fit_noises
     >>> rng = np.random.default_rng(1)
     >>> y = np.cumsum(0.5 * rng.standard_normal(2000)) + 2 * rng.standard_normal(2000)
-    >>> found = fit_noises(EKF(LinearModel(A=1, C=1), Q=1.0, R=1.0), y)
-    >>> bool(abs(found.R[0, 0] - 4) < 3 * found.information.R_deviation[0, 0] < 0.6)
+    >>> fit = fit_noises(EKF(LinearModel(A=1, C=1), Q=1.0, R=1.0), y)
+    >>> bool(abs(fit.R[0, 0] - 4) < 3 * fit.information.R_deviation[0, 0] < 0.6)
     True
     """
     instance_of(settings, "settings", EKF)

@@ -78,8 +78,9 @@ class NonlinearModel(Value):
     >>> for k in range(100):
     ...     y.append(x)
     ...     x = 0.7 * x + (-1) ** (k // 3)
-    >>> found = estimate(EKF(model, Q=1e-9, R=1e-6), y=y, u=[(-1) ** (k // 3) for k in range(100)])
-    >>> round(float(found.x[-1, 1]), 4)
+    >>> u = [(-1) ** (k // 3) for k in range(100)]
+    >>> estimates = estimate(EKF(model, Q=1e-9, R=1e-6), y=y, u=u)
+    >>> round(float(estimates.x[-1, 1]), 4)
     0.7
     """
 

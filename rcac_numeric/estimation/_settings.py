@@ -183,8 +183,8 @@ class IMM(Value):
     >>> level = LinearModel(A=1, C=1)
     >>> still, moving = EKF(level, Q=1e-6, R=0.01), EKF(level, Q=4.0, R=0.01)
     >>> jumps = IMM([still, moving], transitions=[[0.95, 0.05], [0.5, 0.5]])
-    >>> found = estimate(jumps, y=[0.0, 0.1, 0.0, 0.1, 3.0, 3.1, 3.0, 3.1])
-    >>> found.most_probable  # the level jumped before k = 4
+    >>> estimates = estimate(jumps, y=[0.0, 0.1, 0.0, 0.1, 3.0, 3.1, 3.0, 3.1])
+    >>> estimates.most_probable  # the level jumped before k = 4
     array([0, 0, 0, 0, 1, 0, 0, 0])
     """
 
@@ -272,8 +272,8 @@ class AdaptiveNoises(Value):
     >>> from rcac_numeric.estimation import EKF, AdaptiveNoises, LinearModel, estimate
     >>> y = 3.0 * np.random.default_rng(1).standard_normal(4000)
     >>> known = EKF(LinearModel(A=0.5, C=1), Q=0.01, R=1.0)
-    >>> found = estimate(AdaptiveNoises(known, window=1000, learn=["R"]), y)
-    >>> found.R[[0, 1, -1], 0, 0].round(1)  # R = 9 is found within the first window
+    >>> estimates = estimate(AdaptiveNoises(known, window=1000, learn=["R"]), y)
+    >>> estimates.R[[0, 1, -1], 0, 0].round(1)  # R = 9 is estimates within the first window
     array([1. , 8.8, 9.4])
     """
 

@@ -84,8 +84,8 @@ def smooth(
     --------
     >>> from rcac_numeric.estimation import EKF, LinearModel, smooth
     >>> level = EKF(LinearModel(A=1, C=1), Q=1.0, R=1.0, P_0=100.0)
-    >>> found = smooth(level, [0.0, float("nan"), 2.0])
-    >>> found.x[1].round(2)  # half-way between its neighbours, nearly
+    >>> smoothed = smooth(level, [0.0, float("nan"), 2.0])
+    >>> smoothed.x[1].round(2)  # half-way between its neighbours, nearly
     array([1.])
     """
     if not isinstance(settings, EKF) or not isinstance(settings.model, LinearModel):

@@ -151,8 +151,8 @@ def repeated_parameters(
     >>> m = sympy.Symbol("m")
     >>> A_c = sympy.Matrix([[0, 1], [-30 / m, -5 / m]])
     >>> D_c = sympy.Matrix([[0], [1 / m]])
-    >>> found = repeated_parameters(A_c, D_c, [m], at=[1], h=0.1)
-    >>> found.subsystem.A[0], found.subsystem.D[0]  # (8.84)
+    >>> repeated = repeated_parameters(A_c, D_c, [m], at=[1], h=0.1)
+    >>> repeated.subsystem.A[0], repeated.subsystem.D[0]  # (8.84)
     (array([[0. , 0. ],
            [3. , 0.5]]), array([[ 0. ],
            [-0.1]]))

@@ -137,8 +137,8 @@ def export_controller(
     >>> from rcac_numeric import UD, ControllerSettings, TargetModel, export_controller, iir
     >>> settings = ControllerSettings(
     ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=0.1))
-    >>> found = export_controller(settings, tempfile.mkdtemp())
-    >>> "src/rcac.c" in found.files, found.real
+    >>> folder = export_controller(settings, tempfile.mkdtemp())
+    >>> "src/rcac.c" in folder.files, folder.real
     (True, 'float64')
     """
     source: Any = controller
