@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import sympy
 from sympy import EX, QQ, Expr, Poly, Symbol
@@ -217,10 +217,16 @@ def is_rational(poly: Poly) -> bool:
     return bool(require_poly(poly).domain.is_QQ)
 
 
-def way_to_rational(*parts: Poly) -> str:
-    """Return the advice for coefficients that have symbols or are irrational."""
-    names = sorted({symbol.name for part in parts for symbol in part.free_symbols_in_domain})
-    if names:
+def way_to_rational(*parts: Poly, sources: Iterable[object] = ()) -> str:
+    """Return the advice for coefficients that have symbols or are irrational.
+
+    The `exponentials` of a sampled plant among the sources define some of the symbols: the advice
+    names the symbols of their values instead, so that no known number is requested.
+    """
+    values = {x: value for one in sources for x, value in getattr(one, "exponentials", ())}
+    symbols = {symbol for part in parts for symbol in part.free_symbols_in_domain}
+    unknown = {symbol for x in symbols for symbol in getattr(values.get(x), "free_symbols", {x})}
+    if names := sorted(symbol.name for symbol in unknown):
         return f"substitute numbers for {', '.join(names)}"
     return "give rational numbers close to the irrational ones"
 

@@ -272,7 +272,8 @@ def _delayed_margins(
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator
     if not (is_rational(N) and is_rational(D)):
-        raise InputError(f"margins need rational coefficients; {way_to_rational(N, D)}")
+        way = way_to_rational(N, D, sources=(plant, compensator))
+        raise InputError(f"margins need rational coefficients; {way}")
     if not dead_time.is_Rational:
         names = ", ".join(sorted(symbol.name for symbol in dead_time.free_symbols))
         raise InputError(f"margins need a number for the dead time; substitute numbers for {names}")

@@ -49,6 +49,7 @@ from compensator_theory.stability._enclosed_norms import (
     without_meaning,
 )
 from compensator_theory.stability._margins import (
+    OTHER_SIGN,
     ZERO,
     CountedLoop,
     GainCrossover,
@@ -162,12 +163,25 @@ class EnclosedStabilityMargins(CountedLoop, CrossingGains, PhaseMargins, ExactVa
                 return Margin(Enclosure(Rational(steps), Rational(0)), None)
         raise AssertionError("unreachable")
 
+    @property
+    def _has_stable_opposite(self) -> bool:
+        """Whether the unstable loop is stable with the other sign of feedback: 1 - L."""
+        if self.is_stable:
+            return False
+        roots = canonical(self.denominator - self.numerator)
+        if roots.degree() < self.denominator.degree():
+            return False
+        counts = self._numbers.count(canonical(roots * self.hidden), self.time)
+        return bool(counts.stable == counts.total)
+
     def __str__(self) -> str:
         verdict = "stable" if self.is_stable else f"not stable ({self.closed_loop})"
         if not self.is_well_posed:
             verdict = f"not well posed: 1 + L = 0 at infinity ({self.closed_loop})"
         meaning = ", ".join(f"{x} = {text(value)}" for x, value in self.exponentials)
         lines = [f"the loop is {verdict} with {meaning}"]
+        if self._has_stable_opposite:
+            lines.append(OTHER_SIGN)
         if self.hidden.degree() > 0:
             lines.append(f"hidden in L, moved by no gain: {format_polynomial(self.hidden)}")
         return "\n".join(

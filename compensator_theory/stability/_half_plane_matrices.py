@@ -57,7 +57,7 @@ def half_plane_matrix(
     if not all(map(is_rational, [*entries, source.denominator])):
         raise InputError(
             f"{subject} needs rational coefficients; "
-            f"{way_to_rational(*entries, source.denominator)}"
+            f"{way_to_rational(*entries, source.denominator, sources=(G,))}"
         )
     common = source.denominator
     for entry in entries:

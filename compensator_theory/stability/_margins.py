@@ -130,6 +130,9 @@ class PhaseCrossover(ExactValue):
         )
 
 
+OTHER_SIGN = "with the other sign of feedback the loop is stable"
+
+
 class CountedLoop:
     """What the root counts of a loop say of it."""
 
@@ -281,11 +284,24 @@ class StabilityMargins(CountedLoop, PhaseMargins, ExactValue):
             return None
         return SymmetricDiskMargin(self.numerator, self.denominator)
 
+    @property
+    def _has_stable_opposite(self) -> bool:
+        """Whether the unstable loop is stable with the other sign of feedback: 1 - L."""
+        if self.is_stable:
+            return False
+        roots = self.denominator - self.numerator
+        if roots.degree() < self.denominator.degree():
+            return False
+        counts = count_roots(roots * self.hidden, time=self.time)
+        return bool(counts.stable == counts.total)
+
     def __str__(self) -> str:
         verdict = "stable" if self.is_stable else f"not stable ({self.closed_loop})"
         if not self.is_well_posed:
             verdict = f"not well posed: 1 + L = 0 at infinity ({self.closed_loop})"
         lines = [f"the loop is {verdict}"]
+        if self._has_stable_opposite:
+            lines.append(OTHER_SIGN)
         if self.hidden.degree() > 0:
             lines.append(f"hidden in L, moved by no gain: {format_polynomial(self.hidden)}")
         if self.denominator.degree() == 0:
@@ -324,7 +340,8 @@ def stability_margins(
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator
     if not (is_rational(N) and is_rational(D)):
-        raise InputError(f"margins need rational coefficients; {way_to_rational(N, D)}")
+        way = way_to_rational(N, D, sources=(plant, compensator))
+        raise InputError(f"margins need rational coefficients; {way}")
     time = time_of(G.variable, "a margin")
     if N.degree() > D.degree():
         raise ImproperError(f"the loop {N.as_expr()} over {D.as_expr()} is improper")

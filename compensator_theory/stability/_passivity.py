@@ -155,7 +155,8 @@ def decide_positive_real(
     parts = (source.denominator, *chain(*source.numerators))
     if not all(map(is_rational, parts)):
         raise InputError(
-            f"positive realness needs rational coefficients; {way_to_rational(*parts)}"
+            "positive realness needs rational coefficients; "
+            f"{way_to_rational(*parts, sources=(G,))}"
         )
     plus = N + d * identity_matrix(m)
     if sympy.expand(plus.det(method="berkowitz")) == 0:

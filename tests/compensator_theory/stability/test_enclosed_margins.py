@@ -204,3 +204,23 @@ def test_gain_margins_are_the_nearest_factors_whether_exact_or_enclosed(factors)
     low, high = loop.gain_down.value, loop.gain_up.value
     assert getattr(low, "centre", low) == max([g for g in gains if g < 1], default=0)
     assert getattr(high, "centre", high) == min([g for g in gains if g > 1], default=sympy.oo)
+
+
+@pytest.mark.parametrize(
+    ("loop", "step", "symbols"),
+    [("k/(10*s + 1)", 1, "k"), ("1/(10*s + 1)", "T", "T"), ("k/(10*s + a)", "T", "T, a, k")],
+)
+def test_a_refusal_names_unknown_symbols_alone(loop, step, symbols):
+    """The exponentials have symbols, too, and those are known."""
+    sampled = zero_order_hold(loop, step)
+    with pytest.raises(InputError, match=f"substitute numbers for {symbols}$"):
+        stability_margins(sampled, feedback=-1)
+    with pytest.raises(InputError, match=f"substitute numbers for {symbols}$"):
+        h_infinity_norm(sampled)
+
+
+@pytest.mark.parametrize("gain", [-1, -2, 1])
+def test_the_other_sign_of_a_sampled_loop(gain):
+    pair = [stability_margins(f"{gain}/(z - exp(1/10))", feedback=sign) for sign in (-1, 1)]
+    for one, other in (pair, pair[::-1]):
+        assert ("with the other sign" in str(one)) == (other.is_stable and not one.is_stable)

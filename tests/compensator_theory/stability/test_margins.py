@@ -191,3 +191,11 @@ def test_a_loop_of_gain_1_everywhere_is_answered(x, places, sign, feedback):
     else:
         assert "no phase margin" in str(margins)
     assert not stability_margins((2 * N, D), feedback=feedback, variable=x).is_all_pass
+
+
+@given(strictly_proper_plants())
+def test_the_other_sign_is_advised_where_its_loop_is_stable(G):
+    margins, opposite = (stability_margins(G, feedback=sign) for sign in (-1, 1))
+    for one, other in ((margins, opposite), (opposite, margins)):
+        is_advised = "with the other sign of feedback the loop is stable" in str(one)
+        assert is_advised == (other.is_stable and not one.is_stable)
