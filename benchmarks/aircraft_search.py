@@ -57,15 +57,15 @@ def _of(z: np.ndarray) -> tuple[float, float, float, float]:
     return rms(2300, 2500), abs(z[:2500]).max(), abs(z[2500:]).max(), rms(7000, 8000)
 
 
-def score(found: np.ndarray, known: bool) -> float:
+def score(zeros: np.ndarray, known: bool) -> float:
     """The worst over initial states; less is better."""
-    parts = [found[:, 0], 0.05 * found[:, 1:3].max(axis=1)]
-    return float(np.max([*parts, found[:, 3]] if known else parts))
+    parts = [zeros[:, 0], 0.05 * zeros[:, 1:3].max(axis=1)]
+    return float(np.max([*parts, zeros[:, 3]] if known else parts))
 
 
-def printed(found: np.ndarray) -> str:
+def printed(zeros: np.ndarray) -> str:
     """Median, nine tenths and worst of each number."""
-    rows = zip(HEADS, np.quantile(found, [0.5, 0.9, 1.0], axis=0).T, strict=True)
+    rows = zip(HEADS, np.quantile(zeros, [0.5, 0.9, 1.0], axis=0).T, strict=True)
     return "; ".join(f"{head} {' / '.join(f'{v:.3g}' for v in row)}" for head, row in rows)
 
 

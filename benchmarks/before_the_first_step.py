@@ -135,9 +135,9 @@ def cells():
         cells_of_study.cell({"x": value(0)})
         numbers = iter(range(2, 10**9))
 
-        def some(made=cells_of_study, value=value, numbers=numbers, count=count):
+        def some(builder=cells_of_study, value=value, numbers=numbers, count=count):
             for _ in range(count):
-                made.cell({"x": value(next(numbers))})
+                builder.cell({"x": value(next(numbers))})
 
         print(f"  {path:24} {least(some, count, 5):8.0f}", flush=True)
 

@@ -14,14 +14,14 @@ from collections import Counter
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from compensator_theory.strategies import boundary_loops
-from tests.support.boundary_loops import Asked, contradictions
+from tests.support.boundary_loops import Requests, contradictions
 
 LONGEST = 10.0  # seconds
 BATCH = 250
 """Loops of one seed; Hypothesis gets slow with what it remembers of many."""
 
 
-def asked_of(variable: str, batch: int, loops: int, worst: dict, found: Counter) -> int:
+def measure_seed(variable: str, batch: int, loops: int, worst: dict, counts: Counter) -> int:
     """Draw loops with one seed, keep the slowest answers, and count what is false."""
     drawn = []
 
@@ -30,7 +30,7 @@ def asked_of(variable: str, batch: int, loops: int, worst: dict, found: Counter)
               suppress_health_check=list(HealthCheck))  # fmt: skip
     @given(boundary_loops(variable, max_order=2 + batch % 2))
     def run(pair):
-        requests = Asked()
+        requests = Requests()
         try:
             sentences = contradictions(*pair, requests)
         except Exception as error:  # an error that is not ours, or a check that fails
@@ -38,7 +38,7 @@ def asked_of(variable: str, batch: int, loops: int, worst: dict, found: Counter)
             sentences = [f"{type(error).__name__} in {where.name}: {error}"[:200]]
         drawn.append(pair)
         for sentence in sentences:
-            found[sentence] += 1
+            counts[sentence] += 1
             print(f"FALSE {sentence}: {pair[0]}  {pair[1]}", flush=True)
         for name, took in requests.seconds.items():
             worst[name] = max(worst.get(name, (0.0, "")), (took, f"{pair[0]}  {pair[1]}"))
@@ -54,7 +54,7 @@ def main(loops: int = 10_000, batch: int = 0) -> int:
     counts: Counter[str] = Counter()
     while sum(counts.values()) < loops:
         for variable in ("s", "z"):
-            counts[variable] += asked_of(variable, batch, min(BATCH, loops), worst, failures)
+            counts[variable] += measure_seed(variable, batch, min(BATCH, loops), worst, failures)
         batch += 1
         print(f"{dict(counts)} loops, {sum(failures.values())} contradictions", flush=True)
     for name, (took, loop) in sorted(worst.items()):

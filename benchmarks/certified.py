@@ -307,7 +307,7 @@ def families(count=55):
 
 
 PRIORS = (1.0, 0.1, 0.01, 0.001)
-KEPT = ("none", "box", "certified")
+BOUNDS = ("none", "box", "certified")
 KeptRun = namedtuple("KeptRun", "plant kind case draw prior way lost rms radius bounded")
 
 
@@ -374,7 +374,7 @@ def print_kept(rows, words):
     print(
         f"\n{words}: {len({r.plant for r in rows})} plants. Lost runs, mean rms over fixed, worst"
     )
-    for prior, way in [(1.0, "fixed"), *itertools.product(PRIORS, KEPT)]:
+    for prior, way in [(1.0, "fixed"), *itertools.product(PRIORS, BOUNDS)]:
         cells = []
         for kind in ("family", "signals", "plants"):
             group = [r for r in rows if (r.kind, r.prior, r.way) == (kind, prior, way)]
@@ -387,7 +387,7 @@ def print_kept(rows, words):
             print(f"prior x {prior:<5g} {way:9} | {' | '.join(cells)}")
 
 
-def kept(count=85, draws=3):
+def compare_bounds(count=85, draws=3):
     """Runs of RCAC without bounds, in the box and in the set, beside the fixed controller."""
     plants = road(55)
     indices = np.unique(np.linspace(0, len(plants) - 1, count).astype(int))
@@ -449,12 +449,13 @@ def times():
         for uncertainty in (None, result.family):
             start = time.perf_counter()
             region = certified_set(result.plant, result.settings, uncertainty=uncertainty)
-            made = time.perf_counter() - start
+            seconds = time.perf_counter() - start
             start = time.perf_counter()
             verified = region.is_verified
             took = time.perf_counter() - start
             print(f"l_theta {len(region.center)}, {len(region.members)} plants: set and proof "
-                  f"{made:.2f} s, verification {took:.3f} s, {verified}", flush=True)  # fmt: skip
+                  f"{seconds:.2f} s, verification {took:.3f} s, "
+                  f"{verified}", flush=True)  # fmt: skip
 
 
 def forgeries(region, rng):
@@ -539,7 +540,8 @@ def runs(steps=2000):
 
 
 COMMANDS = {
-    f.__name__: f for f in (tightness, gains, bounds, families, kept, several, times, forged, runs)
+    f.__name__: f
+    for f in (tightness, gains, bounds, families, compare_bounds, several, times, forged, runs)
 }
 
 

@@ -286,7 +286,7 @@ def table(repeats: int, limit: float) -> None:
         medians: list[float] = []
         failures: list[str] = []
         for name in names:
-            times = _asked(sys.executable, name, repeats, limit)
+            times = _child_seconds(sys.executable, name, repeats, limit)
             if isinstance(times, str):
                 failures.append(times)
             else:
@@ -312,7 +312,7 @@ def _timed(name: str, repeats: int) -> list[float]:
     return times
 
 
-def _asked(python: str, name: str, repeats: int, limit: float) -> str | list[float]:
+def _child_seconds(python: str, name: str, repeats: int, limit: float) -> str | list[float]:
     """The seconds by another process, or why there are none."""
     command = [python, __file__, name, "--child", "--repeats", str(repeats)]
     try:
@@ -349,7 +349,7 @@ def main() -> None:
     for name in chosen:
         shown = []
         for python in pythons:
-            times = _asked(python, name, options.repeats, options.limit)
+            times = _child_seconds(python, name, options.repeats, options.limit)
             shown.append(times if isinstance(times, str) else f"{median(times):.3f}")
         print(f"{name:32}" + "".join(f"{s:>14}" for s in shown) + f"{ROWS[name].aim:8.2g}",
               flush=True)  # fmt: skip

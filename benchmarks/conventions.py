@@ -98,7 +98,7 @@ def log_of(kind: Kind, seed: int, dtype=np.float64, n_c: int = 3, steps: int = 2
     B = rng.uniform(0.3, 1, (l_y, l_u)) * rng.choice((-1, 1), (l_y, l_u)) * 0.5
     x = np.zeros(l_y)
     r = np.where(np.arange(steps)[:, None] % 60 < 30, 1.0, -0.5) * np.ones(l_y)
-    u, seen, y, z = (np.zeros((steps, width), dtype) for width in (l_u, l_u, l_y, l_y))
+    u, u_logged, y, z = (np.zeros((steps, width), dtype) for width in (l_u, l_u, l_y, l_y))
     read = np.zeros((steps, l_y), dtype)
     for k in range(steps):
         y[k] = (x + 0.5 * rng.standard_normal(l_y)).astype(dtype)
@@ -106,15 +106,15 @@ def log_of(kind: Kind, seed: int, dtype=np.float64, n_c: int = 3, steps: int = 2
         source = {"y": y[k], "z": z[k], "r - y": r[k].astype(dtype) - y[k],
                   "r + y": r[k].astype(dtype) + y[k]}[kind.reads]  # fmt: skip
         read[k] = source
-        made = np.zeros(l_u, dtype)
+        u_k = np.zeros(l_u, dtype)
         if k >= n_c:
             for i in range(n_c):
                 if not kind.is_fir:
-                    made = made + dtype(kind.sign_u) * (blocks["u"][k, i] @ seen[k - 1 - i])
-                made = made + dtype(kind.sign_y) * (blocks["y"][k, i] @ read[k - 1 - i])
-        inside = np.clip(made, -dtype(kind.limit), dtype(kind.limit)) if kind.limit else made
-        u[k] = made if kind.limited == "before" else inside
-        seen[k] = made if kind.limited == "own" else inside
+                    u_k = u_k + dtype(kind.sign_u) * (blocks["u"][k, i] @ u_logged[k - 1 - i])
+                u_k = u_k + dtype(kind.sign_y) * (blocks["y"][k, i] @ read[k - 1 - i])
+        inside = np.clip(u_k, -dtype(kind.limit), dtype(kind.limit)) if kind.limit else u_k
+        u[k] = u_k if kind.limited == "before" else inside
+        u_logged[k] = u_k if kind.limited == "own" else inside
         x = A @ x + B @ inside + 0.1 * rng.standard_normal(l_y)
     theta = ordered(kind.order, blocks, l_u)
     if kind.shift == 1:
@@ -198,10 +198,10 @@ def measure(number: int, logs: int, seed: int) -> Outcome:
     kind, one = KINDS[number], Outcome()
     for trial in range(logs):
         for dtype in (np.float64, np.float32):
-            made = log_of(kind, seed + 1000 * number + trial, dtype)
-            faulty = changed(made, seed + trial)
+            log = log_of(kind, seed + 1000 * number + trial, dtype)
+            faulty = changed(log, seed + trial)
             for text in FORMATS:
-                words = verdict(kind, {n: written(v, text, dtype) for n, v in made.items()})
+                words = verdict(kind, {n: written(v, text, dtype) for n, v in log.items()})
                 one.logs += 1
                 one.named += words == "right"
                 one.ambiguous += words.startswith("ambiguous")

@@ -207,10 +207,12 @@ def controllers(model, known, size):
             others = variations(model, Uncertainty())
             reference = reference_loop(model, expected, np.inf, others)
             fixed = controllers_by_name[f"fixed, {name}"] = FixedController(reference.compensator)
-            road = controllers_by_name[f"road, {name}"] = settings_of(model, reference, expected)
-            trials = Trials({RCAC: road, FIXED: fixed}, model, expected, others, STEPS, DRAWS)
+            designed = controllers_by_name[f"road, {name}"] = settings_of(
+                model, reference, expected
+            )
+            trials = Trials({RCAC: designed, FIXED: fixed}, model, expected, others, STEPS, DRAWS)
             use = verdict_of(trials.in_threads()).use
-            controllers_by_name[f"verdict, {name}"] = road if use == RCAC else fixed
+            controllers_by_name[f"verdict, {name}"] = designed if use == RCAC else fixed
         except CompensatorError as error:
             controllers_by_name.setdefault(f"fixed, {name}", str(error))
             controllers_by_name[f"road, {name}"] = controllers_by_name[f"verdict, {name}"] = str(
@@ -274,16 +276,16 @@ def judged(G, period, late, seed):
     return scaled, kind, controllers_by_name, outcomes
 
 
-def is_good(found):
-    stable, tail, peak, _ = found
+def is_good(measures):
+    stable, tail, peak, _ = measures
     return stable and tail < 2 and peak < 10
 
 
-def failure(found, outcome, why):
+def failure(measures, outcome, why):
     """What kind of failure a run that is not good is."""
-    if found is None:
+    if measures is None:
         return f"no controller: {why[:60]}"
-    stable, tail, *_ = found
+    stable, tail, *_ = measures
     if outcome != "completed":
         return "the run diverged"
     if not stable:

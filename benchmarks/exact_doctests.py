@@ -29,10 +29,10 @@ def main() -> int:
     passed = apart = passed_pages = 0
     failures: list[str] = []
     finder = doctest.DocTestFinder(exclude_empty=True)
-    for found in pkgutil.walk_packages(package.__path__, "compensator_theory."):
-        if found.name.startswith("compensator_theory.strategies"):
+    for info in pkgutil.walk_packages(package.__path__, "compensator_theory."):
+        if info.name.startswith("compensator_theory.strategies"):
             continue
-        module = importlib.import_module(found.name)
+        module = importlib.import_module(info.name)
         for test in finder.find(module, module.__name__, module=module):
             written: list[str] = []
             runner = doctest.DocTestRunner(verbose=False, optionflags=FLAGS)

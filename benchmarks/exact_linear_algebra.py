@@ -287,14 +287,14 @@ def systems(n, rng, a, b):
         goal = to_flint(sympy.ImmutableMatrix(T.all_coeffs()))
         calls = {"ours": lambda G=G, T=T: place_poles(G, polynomial=T, feedback=-1)}
         calls["flint"] = lambda matrix=matrix, goal=goal: matrix.solve(goal)
-        calls["by hand"] = lambda given=(D, N, T): [
-            *map(written_polynomial, by_sylvester(*map(read_polynomial, given)))
+        calls["by hand"] = lambda equation=(D, N, T): [
+            *map(written_polynomial, by_sylvester(*map(read_polynomial, equation)))
         ]
         yield f"placement, {kind}", calls
         raw = tuple(map(to_flint_polynomial, (D, N, T)))
         calls["flint"] = lambda raw=raw: by_euclid(*raw)
-        calls["by hand"] = lambda given=(D, N, T): [
-            *map(written_polynomial, by_euclid(*map(read_polynomial, given)))
+        calls["by hand"] = lambda equation=(D, N, T): [
+            *map(written_polynomial, by_euclid(*map(read_polynomial, equation)))
         ]
         yield f"placement, {kind}, xgcd", calls
 

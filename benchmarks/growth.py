@@ -248,7 +248,7 @@ class Inputs:
         return exact.realisation(self._plant())
 
 
-def asked(result, name):
+def answers_of(result, name):
     """Yield the names of what an answer computes when it is asked for, and how."""
     yield f"str({name})", lambda: str(result)
     packages = ("compensator_theory", "rcac_numeric")
@@ -256,8 +256,8 @@ def asked(result, name):
     attributes = {
         attribute: held for base in reversed(ours) for attribute, held in vars(base).items()
     }
-    for attribute, held in sorted(attributes.items()):
-        if attribute[0] != "_" and isinstance(held, property | cached_property):
+    for attribute, value in sorted(attributes.items()):
+        if attribute[0] != "_" and isinstance(value, property | cached_property):
             yield f"{name}.{attribute}", lambda attribute=attribute: getattr(result, attribute)
 
 
@@ -286,7 +286,7 @@ def work(pipe, name, inputs, cap, skipped):
         pipe.send(("", None, ""))
         return
     result, note = timed(name, lambda: function(*positional, **named))
-    for label, call in () if note else asked(result, name):
+    for label, call in () if note else answers_of(result, name):
         if label not in skipped:
             timed(label, call)
     pipe.send(("", None, ""))
@@ -296,18 +296,18 @@ def measure(name, inputs, cap, already):
     """Return {label: (seconds, note)} of one call in a child; what is skipped has no row."""
     rows_done, skipped = {}, set(already)
     while True:
-        here, there = CONTEXT.Pipe(False)
+        parent, there = CONTEXT.Pipe(False)
         child = CONTEXT.Process(target=work, args=(there, name, inputs, cap, skipped), daemon=True)
         child.start()
         there.close()
         pending = name
         try:
             while pending:
-                if not here.poll(CLOCK * cap):  # the processor is another's
+                if not parent.poll(CLOCK * cap):  # the processor is another's
                     child.kill()
                     child.join()
                     break
-                label, seconds, note = here.recv()
+                label, seconds, note = parent.recv()
                 if seconds is not None:
                     rows_done[label] = seconds, note
                 else:
@@ -343,11 +343,11 @@ class Kept:
         return self.found[name, kind, size]
 
 
-def rows(name, kind, points, cap, kept):
+def rows(name, kind, points, cap, records):
     """Return {label: [(size, seconds, note)]}; a row ends where it is refused or capped."""
     rows_done, ended = {}, set()
     for size, inputs in points:
-        measured = kept.measured(name, kind, size, lambda i=inputs: measure(name, i, cap, ended))
+        measured = records.measured(name, kind, size, lambda i=inputs: measure(name, i, cap, ended))
         for label, (seconds, note) in measured.items():
             if label not in ended:
                 rows_done.setdefault(label, []).append((size, seconds, note))

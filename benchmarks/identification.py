@@ -124,8 +124,8 @@ class HeldPlant:
     def states(self):
         """The states of the plant, once in so many rows."""
         A, B, C = self.plant.states()
-        held = sum((np.linalg.matrix_power(A, i) @ B for i in range(self.every)), np.zeros(len(A)))
-        return np.linalg.matrix_power(A, self.every), held, C
+        B_n = sum((np.linalg.matrix_power(A, i) @ B for i in range(self.every)), np.zeros(len(A)))
+        return np.linalg.matrix_power(A, self.every), B_n, C
 
     def response(self, omega):
         """G(exp(j omega))."""
@@ -145,12 +145,12 @@ def lqg(plant, rho, drift):
     K = (B @ X @ A) / (rho + B @ X @ B)
     joint = np.eye(n + 1)
     joint[:n, :n], joint[:n, n] = A, B
-    seen, Q = np.append(C, 0.0), np.zeros((n + 1, n + 1))
+    C_z, Q = np.append(C, 0.0), np.zeros((n + 1, n + 1))
     Q[:n, :n] = 10 * drift * np.outer(B, B) + 1e-10 * (B @ B) * np.eye(n)
     Q[n, n] = drift
-    P = solve_discrete_are(joint.T, seen[:, None], Q, [[1.0]])
-    gain = P @ seen / (1 + seen @ P @ seen)
-    update = np.eye(n + 1) - np.outer(gain, seen)
+    P = solve_discrete_are(joint.T, C_z[:, None], Q, [[1.0]])
+    gain = P @ C_z / (1 + C_z @ P @ C_z)
+    update = np.eye(n + 1) - np.outer(gain, C_z)
     powers = [np.linalg.matrix_power(A, i) @ B for i in range(d)]
     onto = -np.append(K @ np.linalg.matrix_power(A, d), K @ sum(powers, np.zeros(n)) + 1.0)
     whole = np.zeros((n + 1 + d, n + 1 + d))
@@ -391,10 +391,10 @@ def row_of(seed):
     }  # fmt: skip
     row["oracle"], row["oracle error"] = oracle_is_ok(log)
     options = _DesignOptions("unknown", None, None, None, None, None, False)
-    given = ControllerLog(log.u, log.y) if log.r is None else ControllerLog(log.u, log.y, r=log.r)
+    data = ControllerLog(log.u, log.y) if log.r is None else ControllerLog(log.u, log.y, r=log.r)
     start = time.process_time()
     try:
-        basis = _basis_of_log(given, None, 0.0, options)
+        basis = _basis_of_log(data, None, 0.0, options)
     except CompensatorError as error:
         refusal = {"refused": str(error), "kind": type(error).__name__}
         return row | {"time": time.process_time() - start} | refusal
@@ -519,12 +519,13 @@ def beside(seeds):
             results[name].append((sign, error, is_bad, seconds))
     print("method        logs refused wrong sign  bad   error median/90 %  CPU s")
     for name, rows in results.items():
-        kept = [row for row in rows if row is not None]
-        errors = [row[1] for row in kept] or [np.nan]
-        print(f"{name:15}{len(rows):4}{len(rows) - len(kept):8}{sum(not row[0] for row in kept):10}"
-              f"{sum(row[2] for row in kept):6}   {np.median(errors):8.3f} "
+        complete = [row for row in rows if row is not None]
+        errors = [row[1] for row in complete] or [np.nan]
+        print(f"{name:15}{len(rows):4}{len(rows) - len(complete):8}"
+              f"{sum(not row[0] for row in complete):10}"
+              f"{sum(row[2] for row in complete):6}   {np.median(errors):8.3f} "
               f"{np.quantile(errors, 0.9):8.2f}"
-              f"{np.median([row[3] for row in kept] or [np.nan]):9.2f}")  # fmt: skip
+              f"{np.median([row[3] for row in complete] or [np.nan]):9.2f}")  # fmt: skip
 
 
 def print_table(rows):

@@ -272,7 +272,7 @@ def lqg(plant):
     n, G = len(A), plant.response(OMEGA)
     size = np.linalg.norm(plant.response(0.02)[0], 2)
     joint = np.block([[A, B], [np.zeros((m, n)), np.eye(m)]])
-    seen, entry = np.hstack([C, np.zeros((m, m))]), np.vstack([B, np.zeros((m, m))])
+    C_z, entry = np.hstack([C, np.zeros((m, m))]), np.vstack([B, np.zeros((m, m))])
     for weight in np.geomspace(1e-2, 1e5, 10):
         try:
             R, drift = weight * size**2 * np.eye(m), 0.1 / weight / size**2
@@ -281,12 +281,12 @@ def lqg(plant):
             Q = np.zeros((n + m, n + m))
             Q[:n, :n] = 10 * drift * B @ B.T + 1e-10 * np.eye(n)
             Q[n:, n:] = drift * np.eye(m)
-            P = solve_discrete_are(joint.T, seen.T, Q, np.eye(m))
+            P = solve_discrete_are(joint.T, C_z.T, Q, np.eye(m))
         except (np.linalg.LinAlgError, ValueError):
             continue
-        L = joint @ P @ seen.T @ np.linalg.inv(np.eye(m) + seen @ P @ seen.T)
+        L = joint @ P @ C_z.T @ np.linalg.inv(np.eye(m) + C_z @ P @ C_z.T)
         onto = -np.hstack([K, np.eye(m)])
-        parts = (joint - L @ seen + entry @ onto, -L, onto, np.zeros((m, m)))  # of e = -y
+        parts = (joint - L @ C_z + entry @ onto, -L, onto, np.zeros((m, m)))  # of e = -y
         if not loop_radius(servo, parts) < 1 - 1e-8:
             continue
         S = np.linalg.inv(np.eye(m) + G @ responses_of(parts, OMEGA))
@@ -300,8 +300,8 @@ def lqg(plant):
 
 def designed(logs):
     """The plant, the controller of e and the model that are handed out for logs."""
-    given = logs.logs if len(logs.logs) > 1 else logs.logs[0]
-    search, first = search_of_logs(given, None, 0.0), ()
+    data = logs.logs if len(logs.logs) > 1 else logs.logs[0]
+    search, first = search_of_logs(data, None, 0.0), ()
     for count, fits in enumerate(search.candidates()):
         if count >= TRIED:
             break
@@ -406,8 +406,8 @@ def row_of(kind, seed, by_design):
     start = time.process_time()
     try:
         if by_design:
-            given = logs.logs if len(logs.logs) > 1 else logs.logs[0]
-            basis = _basis_of_log(given, None, 0.0, OPTIONS)
+            data = logs.logs if len(logs.logs) > 1 else logs.logs[0]
+            basis = _basis_of_log(data, None, 0.0, OPTIONS)
             G_c, m = basis.reference.compensator, basis.model.m
             parts = Compensator(G_c.past_u, G_c.past_y[:, :, :m]).state_space()
             plant, model = basis.logged.plant, basis.logged.model

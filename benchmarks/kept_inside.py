@@ -65,20 +65,22 @@ def seconds(settings, w):
     return (times[1] - times[0]) / (len(w) - few), run.bounded / len(w)
 
 
-def measure(plain, kept, steps, rounds):
+def measure(plain, bounded, steps, rounds):
     """For each bound the projected steps and the cost in updates; and the update in seconds."""
     w = np.random.default_rng(1).standard_normal((steps, 1))
     idle = attrs.evolve(plain, freeze=[(0, None)])
-    updates, costs, shares = [], {name: [] for name in kept}, {}
+    updates, costs, shares = [], {name: [] for name in bounded}, {}
     for _ in range(rounds):
         without, _ = seconds(idle, w)
         adapting, _ = seconds(plain, w)
         updates.append(adapting - without)
-        for name, settings in kept.items():
+        for name, settings in bounded.items():
             spent, shares[name] = seconds(settings, w)
             costs[name].append(spent - adapting)
     update = statistics.median(updates)
-    return {name: (shares[name], statistics.median(costs[name]) / update) for name in kept}, update
+    return {
+        name: (shares[name], statistics.median(costs[name]) / update) for name in bounded
+    }, update
 
 
 def per_step(settings, lanes, steps, rounds):
@@ -126,9 +128,9 @@ def main():
         plain = ControllerSettings(
             structure=iir(l_theta // 2), target=TargetModel([0, 1.0]), update=UD(0.05)
         )
-        kept = {name: attrs.evolve(plain, bounds=b) for name, b in bounds_of(plain).items()}
-        rows, update = measure(plain, kept, options.steps, options.rounds)
-        for name, settings in {"none": plain, **kept}.items():
+        bounded = {name: attrs.evolve(plain, bounds=b) for name, b in bounds_of(plain).items()}
+        rows, update = measure(plain, bounded, options.steps, options.rounds)
+        for name, settings in {"none": plain, **bounded}.items():
             alone, lanes = (
                 per_step(settings, lanes, options.steps // RUNS, options.rounds)
                 for lanes in (False, True)

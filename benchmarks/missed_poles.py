@@ -20,7 +20,7 @@ from rcac_numeric import compare_exactly, loop_health
 from tests.support.placed_loops import Loop, matching, missing
 
 
-def said_by_health(loop: Loop) -> bool:
+def is_warned(loop: Loop) -> bool:
     """Whether the health of a run of RCAC warns of missed poles; of no run, what is decided."""
     if loop.run is None:
         return False
@@ -48,7 +48,7 @@ def main() -> None:
             )
             for limit in by_distance:
                 by_distance[limit] += (comparison.worst_distance <= limit) != loop.is_same
-            alarmed = said_by_health(loop)
+            alarmed = is_warned(loop)
             if comparison.is_reached != loop.is_same or (loop.is_same and alarmed):
                 wrong.append(
                     (seed, loop.words, comparison.worst_distance, comparison.backward_error)

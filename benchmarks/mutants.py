@@ -129,12 +129,12 @@ def pytest_configure() -> None:
 
 def survives(tests: list[Path], mutant: str, plugin: str = "mutants") -> bool:
     """Whether the tests find nothing wrong with the mutant that the plugin puts in its place."""
-    seen = os.environ.get("PYTHONPATH")
+    path = os.environ.get("PYTHONPATH")
     environment = {
         **os.environ,
         "MUTANT": mutant,
         "HYPOTHESIS_PROFILE": "ci",
-        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *([seen] if seen else [])]),
+        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *([path] if path else [])]),
     }
     options = ["-x", "-q", "-n", "0", "--tb=no", "-p", plugin, "-p", "no:cacheprovider"]
     command = [sys.executable, "-m", "pytest", *options, *map(str, tests)]

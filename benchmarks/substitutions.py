@@ -307,12 +307,12 @@ def agrees(one: Any, other: Any, at: dict[Expr, Expr]) -> bool:
     return bool(one == other)
 
 
-def points_of(found: Any, rng: random.Random) -> Iterator[tuple[Fraction, ...]]:
+def points_of(analysis: Any, rng: random.Random) -> Iterator[tuple[Fraction, ...]]:
     """Points of the grid, and of each case that is solved for its symbols."""
     grid = list(itertools.product(GRID, repeat=3))
     rng.shuffle(grid)
     yield from grid[:4]
-    for case in found.cases:
+    for case in analysis.cases:
         solved, values = dict(case.values), rng.choice(grid)
         free = {x: v for x, v in zip(SYMBOLS, values, strict=True) if x not in solved}
         point = [sympy.sympify(solved.get(x, x)).subs(free) for x in SYMBOLS]
@@ -320,11 +320,11 @@ def points_of(found: Any, rng: random.Random) -> Iterator[tuple[Fraction, ...]]:
             yield tuple(Fraction(int(v.p), int(v.q)) for v in point)
 
 
-def hold(name: str, wanted: int, rng: random.Random) -> Counter[str]:
+def hold(name: str, requested: int, rng: random.Random) -> Counter[str]:
     """Compare a construction at so many points."""
     function, template, key = CASES[name]
     counts: Counter[str] = Counter()
-    while sum(counts.values()) < wanted:
+    while sum(counts.values()) < requested:
         parts = [rng.choice(PARTS) for _ in range(4)]
         arguments, options = template(*(f"({part})" for part in parts))
         try:

@@ -112,9 +112,9 @@ def slow_disk():
     rng = random.SystemRandom()
 
     def slowed(real):
-        def call(*given, **where):
+        def call(*arguments, **where):
             time.sleep(rng.choice([0.05, 0.1, 0.25, 0.25, 2.0]))
-            return real(*given, **where)
+            return real(*arguments, **where)
 
         return call
 
@@ -165,21 +165,21 @@ def children(pid):
     return processes
 
 
-def say(what, found):
-    print(f"| {what} | {found} |", flush=True)
+def say(subject, result):
+    print(f"| {subject} | {result} |", flush=True)
 
 
-def verdict(what, store, reference, missing=()):
+def verdict(subject, store, reference, missing=()):
     """One line; raises where the table is another one."""
     table = read_table(store)
     rows = np.isin(reference["run"], table["run"])
     assert not set(reference["run"][~rows].tolist()) - set(missing), "rows are missing"
     for name in table.columns:
         a, b = table[name], reference[name][rows]
-        assert np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), (what, name)
+        assert np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), (subject, name)
     assert check_store(store).is_whole
     left = f", {len(missing)} named as failed" if missing else ""
-    say(what, f"{len(table)} rows as undisturbed{left}; whole")
+    say(subject, f"{len(table)} rows as undisturbed{left}; whole")
 
 
 def kills(folder, reference, count):
@@ -222,7 +222,7 @@ def kills(folder, reference, count):
                 process.communicate()[1] if process.stderr and not process.stderr.closed else ""
             )
             assert process.returncode == 0 and "Traceback" not in messages, messages
-        words = ", ".join(f"{what} {number}" for what, number in sorted(ended.items()))
+        words = ", ".join(f"{kind} {number}" for kind, number in sorted(ended.items()))
         verdict(f"of two coordinators killed so far: {words}", store, reference)
 
 
@@ -390,14 +390,14 @@ def cluster(workers, failures=3):
         yield client
 
 
-def losing(client, what, lost):
+def losing(client, subject, lost):
     """A progress that ends a worker or the scheduler, once, when something has ended."""
     local = client.cluster
 
     def lose(progress):
         if lost or not progress.done:
             return
-        if what == "worker":
+        if subject == "worker":
             lost.append(next(iter(local.workers.values())).pid)
             os.kill(lost[0], signal.SIGKILL)
         else:
@@ -505,17 +505,17 @@ def hostile(folder):
     one, before, victim = whole_study(folder)
     rng, seconds, megabytes = random.Random(6), 0.0, 0.0
     for kind, harm in hostile_folders.HOSTILE.items():
-        got = folder / "got"
-        shutil.rmtree(got, ignore_errors=True)
-        shutil.copytree(folder / "whole", got)
-        harm(got, rng, victim)
+        received = folder / "got"
+        shutil.rmtree(received, ignore_errors=True)
+        shutil.copytree(folder / "whole", received)
+        harm(received, rng, victim)
         mine = sorted(victim.parent.iterdir())
-        command = [sys.executable, "-c", MEASURED, str(got)]
+        command = [sys.executable, "-c", MEASURED, str(received)]
         out = subprocess.run(command, capture_output=True, text=True, check=False)
         assert not out.stderr, (kind, out.stderr)
         most, local, child = map(float, out.stdout.splitlines()[-1].split())
         seconds, megabytes = max(seconds, local, child), max(megabytes, most)
-        again = computed_again(one, got, before)
+        again = computed_again(one, received, before)
         assert victim.read_text() == "mine" and sorted(victim.parent.iterdir()) == mine, kind
         for moved in victim.parent.glob("chunks*"):
             shutil.rmtree(moved)
@@ -531,23 +531,23 @@ def damaged(folder, count):
     rng, counts, slowest = random.Random(7), Counter(), 0.0
     folders.read_guarded = reader.read_in_process
     for i in range(count):
-        got = folder / "got"
-        shutil.rmtree(got, ignore_errors=True)
-        shutil.copytree(folder / "whole", got)
+        received = folder / "got"
+        shutil.rmtree(received, ignore_errors=True)
+        shutil.copytree(folder / "whole", received)
         harm = hostile_folders.DAMAGE[i % len(hostile_folders.DAMAGE)]
-        harm(got, rng, victim)
+        harm(received, rng, victim)
         start = time.process_time()
         try:
-            is_named = not check_store(got).is_whole
+            is_named = not check_store(received).is_whole
         except StoreError:
             is_named = True
         try:
-            assert read_table(got) == before, f"a wrong table: {harm.__name__}"
+            assert read_table(received) == before, f"a wrong table: {harm.__name__}"
             read = "read as it was"
         except StoreError:
             read = "refused"
         slowest = max(slowest, time.process_time() - start)
-        again = computed_again(one, got, before) if i % 10 == 0 else "not run"
+        again = computed_again(one, received, before) if i % 10 == 0 else "not run"
         counts[f"{read}{', named by the check' if is_named else ''}", again] += 1
     for (read, again), number in sorted(counts.items()):
         say(f"{number} folders with changed bytes", f"{read}; {again}")

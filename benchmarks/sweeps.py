@@ -123,7 +123,7 @@ def reading(runs):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "store"
         run_study(study(runs, steps=20, n_c=2), path, workers=0)
-        taken = {"held": [], "pyarrow": []}
+        seconds = {"held": [], "pyarrow": []}
         for _ in range(5):
             start = time.process_time()
             with Folder(path) as opened:
@@ -131,12 +131,12 @@ def reading(runs):
             between = time.process_time()
             for file in (path / "chunks").iterdir():
                 parquet.ParquetFile(file).read(use_threads=False)
-            taken["held"].append(between - start)
-            taken["pyarrow"].append(time.process_time() - between)
+            seconds["held"].append(between - start)
+            seconds["pyarrow"].append(time.process_time() - between)
         start = time.perf_counter()
         check_store(path)
         whole = time.perf_counter() - start
-    guarded, alone = (statistics.median(taken[key]) for key in ("held", "pyarrow"))
+    guarded, alone = (statistics.median(seconds[key]) for key in ("held", "pyarrow"))
     print(
         f"reading {runs} rows: {1e6 * guarded / runs:.1f} us a row, {guarded / alone:.2f} times "
         "what "

@@ -181,11 +181,11 @@ def report(t):
     """The tables, and the project's bars with what was found."""
     rate, ud = t["dgemm"], lambda n: t["ud", n]
 
-    def share(what, n):
-        return 300 * n**2 / t[what, n] / rate
+    def share(part, n):
+        return 300 * n**2 / t[part, n] / rate
 
-    def nanoseconds(what):
-        return lambda n: 1e9 * t[what, n]
+    def nanoseconds(phase):
+        return lambda n: 1e9 * t[phase, n]
 
     chosen = _kernel.instruction_sets()[0]
     print(f"dgemm, n = 1024: {rate / 1e9:.1f} GFLOP/s; instruction set: {chosen}")

@@ -83,10 +83,10 @@ def codes(code: CodeType) -> Iterator[CodeType]:
 def change_of(node: Any) -> str:
     """What stands at a place, and what is put there."""
     field, value = changed(node) or ("", None)
-    before, kept = ast.unparse(node).split("\n")[0], getattr(node, field)
+    before, original = ast.unparse(node).split("\n")[0], getattr(node, field)
     setattr(node, field, value)
     after = ast.unparse(node).split("\n")[0]
-    setattr(node, field, kept)
+    setattr(node, field, original)
     return f"{before}  ->  {after}"
 
 

@@ -128,7 +128,7 @@ def new_page(browser: Any, site: str, **options: Any) -> Any:
     return page
 
 
-def searches(browser: Any, site: str, wanted: dict[str, list[str]]) -> Iterator[str]:
+def searches(browser: Any, site: str, expected: dict[str, list[str]]) -> Iterator[str]:
     """What is not found first."""
     page = new_page(browser, site)
     page.goto(f"{site}/search.html?q={TYPED}")
@@ -139,7 +139,7 @@ def searches(browser: Any, site: str, wanted: dict[str, list[str]]) -> Iterator[
         "#search-results ul.search > li > a", "found => found.slice(0, 5).map(a => a.href)"
     )
     shown = [re.sub(r"^https?://[^/]+/|\.html|[?#].*", "", link) for link in links]
-    for question, pages in wanted.items():
+    for question, pages in expected.items():
         titles = shown if question == TYPED else page.evaluate(FIRST, question)
         if not titles or titles[0] not in pages:
             yield f'search for "{question}": {pages[0]} is not first but {", ".join(titles)}'
@@ -152,8 +152,8 @@ def views(browser: Any, site: str, pictures: Path | None) -> Iterator[str]:
             view = {"width": width, "height": 900}
             page = new_page(browser, site, viewport=view, color_scheme=scheme)
             messages: list[str] = []
-            page.on("pageerror", lambda error, said=messages: said.append(str(error)))
-            page.on("console", lambda m, said=messages: said.extend(_error(m)))
+            page.on("pageerror", lambda error, errors=messages: errors.append(str(error)))
+            page.on("console", lambda m, errors=messages: errors.extend(_error(m)))
             for name in LOOKED_AT:
                 page.goto(f"{site}/{name}.html", wait_until="load")
                 wide = page.evaluate("document.documentElement.scrollWidth")

@@ -27,12 +27,12 @@ INKS = {
 
 
 def first_picture(
-    found: LoopAnalysis, *, ink: str, reached: str, predicted: str, faint: str
+    analysis: LoopAnalysis, *, ink: str, reached: str, predicted: str, faint: str
 ) -> Figure:
     """The performance over the step, and the poles in the plane."""
     figure = Figure(figsize=(7.6, 3.3), layout="constrained")
     history, plane = figure.subplots(1, 2, width_ratios=[1.6, 1])
-    run, start = found.run, found.run.settings.k_w
+    run, start = analysis.run, analysis.run.settings.k_w
     idle = simulate(run.plant, attrs.evolve(run.settings, k_w=run.steps), run.w)
     limit = 7.5
     leaves = int(np.argmax(np.abs(idle.z[:, 0]) > limit)) + 1  # what comes after is a picket fence
@@ -49,8 +49,8 @@ def first_picture(
     open_loop = np.linalg.eigvals(run.plant.A)
     for values, marker, colour, size, label in (
         (open_loop, "x", faint, 8, "of the plant"),
-        (found.comparison.requested_poles, "s", predicted, 12, "predicted, exactly"),
-        (found.comparison.poles, "x", reached, 7, "reached by RCAC"),
+        (analysis.comparison.requested_poles, "s", predicted, 12, "predicted, exactly"),
+        (analysis.comparison.poles, "x", reached, 7, "reached by RCAC"),
     ):
         plane.plot(
             values.real, values.imag, marker, color=colour, markersize=size, label=label,

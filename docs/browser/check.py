@@ -75,8 +75,8 @@ def without_python(browser: Any, site: str) -> Iterator[str]:
     ):
         page.goto(f"{site}/{name}.html")
         page.locator(f"{place} :is(button, a)").first.click()
-        said = page.locator(f"{place} [role=status]").first
-        said.filter(has_text="python -m docs.browser").wait_for()
+        region = page.locator(f"{place} [role=status]").first
+        region.filter(has_text="python -m docs.browser").wait_for()
         if page.locator("form.try").count():
             yield f"{name} opens an example without Python"
     page.close()

@@ -21,7 +21,7 @@ FENCE = re.compile(
 )
 OPTION = re.compile(r"^:[\w-]+:.*\n?", re.M)  # of a code cell
 
-MADE = ("_build", "reference", "notebooks", "jupyter_execute")  # by the build
+GENERATED = ("_build", "reference", "notebooks", "jupyter_execute")  # by the build
 MAGIC = re.compile(r"^[%!].*$", re.M)
 
 
@@ -53,7 +53,7 @@ def pages() -> dict[str, list[str]]:
     alone = {}
     for path in sorted(docs.rglob("*.md")):
         name = path.relative_to(docs).with_suffix("")
-        if name.parts[0] not in MADE:
+        if name.parts[0] not in GENERATED:
             examples = examples_of_page(path.read_text("utf-8"))
             alone[name.as_posix()] = list(compress(examples, run_alone(examples)))
     return {name: examples for name, examples in alone.items() if examples}

@@ -117,7 +117,7 @@ DELAYED = st.builds(
     strictly_proper_plants(),
     st.sampled_from(["1/3", "2"]) | SYMBOLS,
 )
-STABLE_MARGINS = MARGINS.filter(lambda found: found.is_stable)
+STABLE_MARGINS = MARGINS.filter(lambda margins: margins.is_stable)
 LOCI = st.sampled_from(["1/(s*(s + 1)*(s + 2))", "(s + 2)/(s**2 + 2*s + 3)"]).map(
     lambda loop: exact.root_locus(loop, feedback=-1)
 )
@@ -219,7 +219,7 @@ SAMPLES = {
         lambda c: exact.decide_interval_stability([1, (c, c + 1), 2])
     ),
     results.StabilityRegion: REGIONS,
-    results.StabilitySlab: REGIONS.map(lambda found: found.slabs[0]),
+    results.StabilitySlab: REGIONS.map(lambda margins: margins.slabs[0]),
     results.StableCompensator: UNSTABLE.map(lambda G: exact.stable_compensator(G, feedback=-1)),
     results.SimultaneousStabilisability: UNSTABLE.map(
         lambda G: exact.decide_simultaneous_stabilisability(G, "1/(s + 1)", feedback=-1)
@@ -234,8 +234,8 @@ SAMPLES = {
     results.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.bezout.gcd_from_null_space(*pair))
     | st.just(exact.bezout.gcd_from_null_space("s*(s + a)", "s + a", variable="s")),
     results.StabilisingCompensators: FAMILIES,
-    results.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
-    results.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),
+    results.DoublyCoprimeFractions: FAMILIES.map(lambda margins: margins.fractions),
+    results.AffineMap: FAMILIES.map(lambda margins: margins.closed_loop_map()),
     results.BrunovskyForm: st.just(exact.brunovsky_form(*PAIR)),
     results.StateFeedbackFamily: spectra(3).map(lambda p: exact.state_feedback_family(*PAIR, p)),
     results.ObserverGainFamily: spectra(2).map(
@@ -257,9 +257,9 @@ SAMPLES = {
         lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, variable="s")
     ),
     results.StabilityIntervals: INTERVALS,
-    results.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
+    results.StabilityCell: INTERVALS.map(lambda margins: margins.cells[0]),
     results.StrongStabilisability: PARITIES,
-    results.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
+    results.UnstableRealZero: PARITIES.map(lambda margins: margins.zeros[-1]),
     results.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
         exact.sampling.zero_order_hold
     )
@@ -306,7 +306,7 @@ SAMPLES = {
     results.JuryArray: polynomials("z", min_degree=1).map(exact.jury_array)
     | st.just(exact.jury_array("z**2 + a*z + b")),
     results.PartialFractions: EXPANSIONS,
-    results.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
+    results.PartialFraction: EXPANSIONS.map(lambda margins: margins.terms[0]),
     exact.results.Certificate: minimal_plants().map(
         lambda plant: plant.transfer_function().certificate
     ),
@@ -315,7 +315,7 @@ SAMPLES = {
     | st.just(exact.bezout_identity("s + a", "s**2 + b", variable="s")),
     exact.results.Enclosure: st.builds(exact.results.Enclosure, rationals(), rationals().map(abs)),
     results.ExceptionalCases: EXCEPTIONAL_CASES,
-    results.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda found: found.cases[-1]),
+    results.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda margins: margins.cases[-1]),
     results.LQGController: (discrete_problems() | continuous_problems()).map(exact.lqg_controller),
     results.ZeroDirectionTarget: nonzero_rationals().map(
         lambda a: exact.zero_direction_target([[1, 0], [a, 1]], [(a + a / abs(a), [1, a])])
@@ -365,16 +365,16 @@ SAMPLES = {
     results.DelayedStabilityMargins: st.sampled_from(["1", "3/(s - 1)", "5/(s + 1)"]).map(
         lambda plant: exact.stability_margins(f"{plant}*exp(-s/3)/(s + 2)", feedback=-1)
     ),
-    results.Margin: STABLE_MARGINS.map(lambda found: found.phase),
-    results.SymmetricDiskMargin: STABLE_MARGINS.map(lambda found: found.disk),
-    results.GainCrossover: MARGINS.map(lambda found: found.gain_crossovers[0]),
-    results.PhaseCrossover: MARGINS.map(lambda found: found.phase_crossovers[0]),
+    results.Margin: STABLE_MARGINS.map(lambda margins: margins.phase),
+    results.SymmetricDiskMargin: STABLE_MARGINS.map(lambda margins: margins.disk),
+    results.GainCrossover: MARGINS.map(lambda margins: margins.gain_crossovers[0]),
+    results.PhaseCrossover: MARGINS.map(lambda margins: margins.phase_crossovers[0]),
     results.RootLocus: LOCI,
-    results.LocusBreak: LOCI.map(lambda found: found.breaks[0]),
-    results.LocusCrossing: LOCI.map(lambda found: found.crossings[0]),
-    results.LocusAngles: LOCI.map(lambda found: found.departures[0]),
+    results.LocusBreak: LOCI.map(lambda margins: margins.breaks[0]),
+    results.LocusCrossing: LOCI.map(lambda margins: margins.crossings[0]),
+    results.LocusAngles: LOCI.map(lambda margins: margins.departures[0]),
     results.StabilityDelays: DELAYS,
-    results.DelayCrossing: DELAYS.map(lambda found: found.crossings[0]),
+    results.DelayCrossing: DELAYS.map(lambda margins: margins.crossings[0]),
     results.RiccatiFormula: st.sampled_from(["continuous", "discrete"]).map(
         lambda time: exact.riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time=time)
     ),

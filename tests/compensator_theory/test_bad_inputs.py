@@ -103,7 +103,7 @@ def test_last_arguments_are_read_as_strictly(name, argument):
 def test_the_step_is_no_variable_and_its_exponentials_are_not_endless():
     for step in ("s", "z"):
         with pytest.raises(
-            exact.InputError, match="would be the step and is the variable of a plant"
+            exact.InputError, match="is the variable of a plant and cannot also be the step"
         ):
             exact.sampling.zero_order_hold("1/(s + 1)", step)
     with pytest.raises(exact.errors.BudgetError, match="exponential of a pole with this step"):

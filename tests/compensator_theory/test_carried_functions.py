@@ -98,7 +98,7 @@ def put(value, factors):
     return value
 
 
-def asked(name, call):
+def answer_of(name, call):
     arguments, keywords = call
     try:
         return PUBLIC[name](*arguments, **keywords)
@@ -132,33 +132,33 @@ def number(value):
     return value.xreplace(others | POINT).evalf(DIGITS)
 
 
-def agree(found, wanted):
-    found, wanted = [*map(number, values(found))], [*map(number, values(wanted))]
-    return len(found) == len(wanted) and all(map(near, found, wanted))
+def agree(answer, expected):
+    answer, expected = [*map(number, values(answer))], [*map(number, values(expected))]
+    return len(answer) == len(expected) and all(map(near, answer, expected))
 
 
-def near(found, wanted):
-    if isinstance(found, sympy.Expr) and isinstance(wanted, sympy.Expr | int):
-        return bool(abs(found - wanted) < Rational(1, 10**40) * (1 + abs(wanted)))
-    return found == wanted
+def near(answer, expected):
+    if isinstance(answer, sympy.Expr) and isinstance(expected, sympy.Expr | int):
+        return bool(abs(answer - expected) < Rational(1, 10**40) * (1 + abs(expected)))
+    return answer == expected
 
 
 def right(name, call, pair):
     """Whether the answer is that of the numbers, or of the symbols; None if it is refused."""
     (first, as_first), (second, as_second) = pair
     functions, symbols = {FIRST: first, SECOND: second}, {FIRST: as_first, SECOND: as_second}
-    result = asked(name, put(call, functions))
+    result = answer_of(name, put(call, functions))
     if result is None or isinstance(result, exact.CompensatorError):
         return None
     numbers = {factor: value.xreplace(AS_NUMBERS) for factor, value in symbols.items()}
-    others = (asked(name, put(call, values)) for values in (numbers, symbols))
+    others = (answer_of(name, put(call, values)) for values in (numbers, symbols))
     compare = signs_agree if name == "stability_conditions" else agree
     return any(not isinstance(o, exact.CompensatorError) and compare(result, o) for o in others)
 
 
-def signs_agree(found, wanted):
+def signs_agree(answer, expected):
     """Whether both say the same of the point: conditions are free up to positive factors."""
-    return all(number(x) > 0 for x in found) == all(number(x) > 0 for x in wanted)
+    return all(number(x) > 0 for x in answer) == all(number(x) > 0 for x in expected)
 
 
 def test_every_public_function_carries_or_refuses():
@@ -181,7 +181,7 @@ def test_functions_are_carried_to_the_answer_of_their_values(name, in_full):
 def test_what_asks_for_numbers_refuses_functions_by_name(name):
     call = put(placed(name, random.Random(name)), {FIRST: sin(phi), SECOND: cos(phi)})
     if "phi" in str(call):
-        assert isinstance(asked(name, call), exact.InputError)
+        assert isinstance(answer_of(name, call), exact.InputError)
 
 
 s, z, a, w, zeta, x = sympy.symbols("s z a w zeta x")
@@ -203,7 +203,7 @@ def double_integrator():
 
 
 @pytest.mark.parametrize(
-    ("found", "wanted"),
+    ("result", "expected"),
     [
         (lambda: exact.place_poles("1/(z-exp(-T))", [0], feedback=-1).compensator(2), exp(-T)),
         (lambda: exact.transfer_function("sqrt(k)/(s+1)", "s")(1) ** 2 * 4, sympy.Symbol("k")),
@@ -223,9 +223,9 @@ def double_integrator():
         (lambda: exact.is_controllable([[1, 0], [0, 2]], [[exp(a)], [1]]), True),
     ],
 )
-def test_cases_that_others_would_type(found, wanted):
-    answer = found()
-    assert answer == wanted or sympy.simplify(answer - wanted) == 0
+def test_cases_that_others_would_type(result, expected):
+    answer = result()
+    assert answer == expected or sympy.simplify(answer - expected) == 0
 
 
 def test_an_exceptional_set_speaks_of_the_functions():

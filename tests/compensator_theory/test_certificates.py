@@ -90,7 +90,7 @@ def test_a_result_that_holds_its_question_computes_its_certificate():
     question = {"A", "a", "plant", "source", "matrix"}
     stored = {
         name for name, cls in CLASSES.items()
-        if (own := {f.name for f in fields(cls)}) & question and "certificate" in own
+        if (names := {f.name for f in fields(cls)}) & question and "certificate" in names
     }  # fmt: skip
     assert stored - {"Realisation"} == STORED
 
@@ -129,9 +129,9 @@ def test_what_was_tampered_with_is_seen(cls, data):
     assert result.is_verified
     for name in TAMPERED[cls].split():
         wrong = [replace(result, **{name: one}) for one in falsified(getattr(result, name))]
-        seen = [one for one in wrong if not one.is_verified]
-        assert seen or not wrong, name
-        assert all(str(one.certificate).endswith("FAILS") for one in seen[:1])
+        verified = [one for one in wrong if not one.is_verified]
+        assert verified or not wrong, name
+        assert all(str(one.certificate).endswith("FAILS") for one in verified[:1])
         if cls is results.StateFeedbackFamily:
             assert not results.ObserverGainFamily(wrong[0]).is_verified
 

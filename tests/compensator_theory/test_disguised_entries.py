@@ -56,14 +56,14 @@ DRAWN = 3
 WRITERS = {"canonical", "exact_number", "parse_expression"}
 
 
-def same(found, wanted):
-    if isinstance(found, tuple | list) and isinstance(wanted, tuple | list):
-        return len(found) == len(wanted) and all(map(same, found, wanted))
-    if isinstance(found, sympy.MatrixBase | sympy.Expr):
-        return sympy.simplify(found - wanted) == sympy.simplify(wanted - wanted)
-    if isinstance(found, exact.results.JordanForm):  # blocks stand in the order of the letters
-        found, wanted = (sorted(map(str, form.blocks)) for form in (found, wanted))
-    return found == wanted or str(found) == str(wanted)
+def same(answer, expected):
+    if isinstance(answer, tuple | list) and isinstance(expected, tuple | list):
+        return len(answer) == len(expected) and all(map(same, answer, expected))
+    if isinstance(answer, sympy.MatrixBase | sympy.Expr):
+        return sympy.simplify(answer - expected) == sympy.simplify(expected - expected)
+    if isinstance(answer, exact.results.JordanForm):  # blocks stand in the order of the letters
+        answer, expected = (sorted(map(str, form.blocks)) for form in (answer, expected))
+    return answer == expected or str(answer) == str(expected)
 
 
 def answers(name, factor):

@@ -65,8 +65,8 @@ def test_a_missing_sign_is_asked_for_by_its_two_meanings(call):
 
 
 def test_the_number_zero_is_a_zero_matrix():
-    given = exact.Realisation([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], 0)
-    assert given == exact.Realisation([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
+    plant = exact.Realisation([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], 0)
+    assert plant == exact.Realisation([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
     with pytest.raises(exact.InputError, match="D = 1"):
         exact.Realisation([[0]], [[1]], [[1]], 1)
 

@@ -101,17 +101,17 @@ def same(one, other, names):
     return one == other or isinstance(one, str)
 
 
-def is_renamed(found, other, letter):
+def is_renamed(answer, other, letter):
     """Whether an answer for a letter is that for another one, names of ours changed as well."""
-    if isinstance(found, str) or found == other:
+    if isinstance(answer, str) or answer == other:
         return isinstance(other, str) or OTHER not in symbols_in(other)
-    mine, theirs = symbols_in(found) - {letter}, symbols_in(other) - {OTHER}
+    mine, theirs = symbols_in(answer) - {letter}, symbols_in(other) - {OTHER}
     if len(mine) != len(theirs):
         return False
     ordered = sorted(mine & theirs)
     mine, theirs = sorted(mine - set(ordered)), sorted(theirs - set(ordered))
     return any(
-        same(found, other, {letter: OTHER, **dict(zip(mine, order, strict=True))})
+        same(answer, other, {letter: OTHER, **dict(zip(mine, order, strict=True))})
         for order in itertools.permutations(theirs)
     )
 

@@ -16,11 +16,11 @@ AGAIN = {
 STATES = [[0, 1], [1, 0]], [[0], [1]], [[2, 1]], [[0]]
 
 
-def texts_in(given):
-    if isinstance(given, str):
-        yield given
-    elif isinstance(given, list | tuple | set | dict):
-        for part in given.values() if isinstance(given, dict) else given:
+def texts_in(argument):
+    if isinstance(argument, str):
+        yield argument
+    elif isinstance(argument, list | tuple | set | dict):
+        for part in argument.values() if isinstance(argument, dict) else argument:
             yield from texts_in(part)
 
 
@@ -47,8 +47,8 @@ def test_a_text_is_read_once(name, readings):
     """Neither to find the variable first, nor for the shape, nor by a function inside."""
     arguments, keywords = DOORS[name]
     PUBLIC[name](*arguments, **keywords)
-    given = Counter(texts_in([arguments, keywords]))
-    assert {text: readings[text] for text in given if readings[text] > given[text]} == {}
+    texts = Counter(texts_in([arguments, keywords]))
+    assert {text: readings[text] for text in texts if readings[text] > texts[text]} == {}
 
 
 def outcome(door, row):

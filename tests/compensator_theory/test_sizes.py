@@ -46,9 +46,9 @@ def _matrix(rows, columns, seed=1):
 
 def test_a_jordan_form_looks_for_no_chain_where_the_kernel_is_spanned():
     with at_most(500_000):  # a chain from each of n unit vectors took 2 000 000
-        found = jordan_form(_matrix(20, 20).tolist())
-    assert found.certificate.holds
-    assert [length for _, length in found.blocks] == [1]
+        form = jordan_form(_matrix(20, 20).tolist())
+    assert form.certificate.holds
+    assert [length for _, length in form.blocks] == [1]
 
 
 def test_pivots_are_those_of_the_echelon_form():
@@ -69,7 +69,7 @@ def test_a_rank_with_symbols_is_the_generic_one():
 @pytest.mark.parametrize("half", range(1, 6))
 def test_roots_on_the_circle_are_those_of_the_folded_polynomial(half):
     draw, z = random.Random(half), sympy.Symbol("z")
-    seen = set()
+    degrees = set()
     for _ in range(40):
         side = [draw.randint(-9, 9) or 1 for _ in range(half)]
         poly = sympy.Poly([*side, draw.randint(-30, 30), *side[::-1]], z, domain=sympy.QQ)
@@ -77,8 +77,8 @@ def test_roots_on_the_circle_are_those_of_the_folded_polynomial(half):
             balls = flint.fmpz_poly(list(map(int, poly.all_coeffs()))).complex_roots()
             near = any(abs(float(abs(root)) - 1) < 1e-9 for root, _ in balls)
             assert _has_root_on_circle(poly) == near
-            seen.add(near)
-    assert seen
+            degrees.add(near)
+    assert degrees
 
 
 def test_a_regulator_spectrum_is_that_of_the_pencil():
@@ -88,8 +88,8 @@ def test_a_regulator_spectrum_is_that_of_the_pencil():
     pencil = sympy.Matrix(
         sympy.BlockMatrix([[A - s * one, zero(3, 3), B], [-Q, -A.T - s * one, -N], [N.T, B.T, R]])
     )
-    found = regulator_spectrum(A, B, Q, R, N, time="continuous")
-    assert sympy.expand(found.as_expr() + pencil.det()) == 0
+    spectrum = regulator_spectrum(A, B, Q, R, N, time="continuous")
+    assert sympy.expand(spectrum.as_expr() + pencil.det()) == 0
 
 
 def test_a_gain_is_proven_without_a_long_characteristic_polynomial():
@@ -103,8 +103,8 @@ def test_a_gain_is_proven_without_a_long_characteristic_polynomial():
 
 def test_forty_states_are_decomposed():
     with at_most(2_000_000):
-        found = kalman_decomposition((_matrix(40, 40), _matrix(40, 1), _matrix(1, 40)), "s")
-    assert found.dimensions == (0, 40, 0, 0)
+        decomposition = kalman_decomposition((_matrix(40, 40), _matrix(40, 1), _matrix(1, 40)), "s")
+    assert decomposition.dimensions == (0, 40, 0, 0)
 
 
 def test_coprimeness_with_symbols_is_not_decided_by_a_written_resultant():
@@ -130,10 +130,12 @@ def test_a_compensator_with_symbols_is_refused_before_its_adjugate():
     names = sympy.symbols("a b c")
     A = _matrix(4, 4) + sympy.diag(*names, 0)
     plant = (A, _matrix(4, 1, 2), _matrix(1, 4, 3))
-    found = observer_based_compensator(plant, [-1, -2, -3, -4], [-5, -6, -7, -8], variable="s")
-    assert found.certificate.holds
+    compensator = observer_based_compensator(
+        plant, [-1, -2, -3, -4], [-5, -6, -7, -8], variable="s"
+    )
+    assert compensator.certificate.holds
     with at_most(2_000_000), pytest.raises(BudgetError, match="denominators of symbols"):
-        str(found)
+        str(compensator)
 
 
 @given(

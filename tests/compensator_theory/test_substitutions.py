@@ -82,10 +82,10 @@ def test_idioms_of_sympy(example):
                 assert answer(method, *pair) == answer(method, values)
 
 
-def answer(method, *given):
+def answer(method, *arguments):
     """What it answers, or the words of its refusal."""
     try:
-        return method(*given)
+        return method(*arguments)
     except exact.InputError as error:
         return str(error)
 

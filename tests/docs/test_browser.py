@@ -220,12 +220,14 @@ def test_a_syntax_error_is_one_line(code):
 
 
 @pytest.mark.parametrize(
-    ("answers", "said"),
+    ("answers", "sentences"),
     [
         ([["1/2", "0.5"], ["x", None]], []),
         ([["1/2", "0.25"], ["x", None]], ["1/2 answers '0.25' instead of '0.5\\n'"]),
         ([["1/2", "0.5"]], ["1 answers instead of 2"]),
     ],
 )
-def test_an_answer_that_differs_from_the_page_is_named(answers, said):
-    assert list(differences(">>> 1/2\n0.5\n>>> x = 1\n>>> x  # a formula\n1\n", answers)) == said
+def test_an_answer_that_differs_from_the_page_is_named(answers, sentences):
+    assert (
+        list(differences(">>> 1/2\n0.5\n>>> x = 1\n>>> x  # a formula\n1\n", answers)) == sentences
+    )

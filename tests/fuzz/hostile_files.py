@@ -313,21 +313,21 @@ def watched():
     if not _HOOKED:
         sys.addaudithook(_hook)
         _HOOKED.append(True)
-    _SEEN.clear()
+    _EVENTS.clear()
     _WATCHING.append(True)
     try:
         yield
     finally:
         _WATCHING.clear()
-    assert not _SEEN, f"reading a file did {_SEEN}"
+    assert not _EVENTS, f"reading a file did {_EVENTS}"
 
 
-_HOOKED, _WATCHING, _SEEN = [], [], []
+_HOOKED, _WATCHING, _EVENTS = [], [], []
 
 
 def _hook(event, _):
     if _WATCHING and event in FORBIDDEN:
-        _SEEN.append(event)
+        _EVENTS.append(event)
 
 
 def require_ours(error, path):

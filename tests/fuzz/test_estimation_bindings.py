@@ -46,8 +46,8 @@ def test_filters(n, l_u, l_y, data):
     if built is None:
         return
     for _ in range(draw(st.integers(1, 6))):
-        given_ = perhaps_damaged(draw, {"y": np.ones(l_y), "u": np.ones(l_u)})
-        attempt(built.move, **given_, corrects=draw(st.booleans()), predicts=draw(st.booleans()))
+        samples = perhaps_damaged(draw, {"y": np.ones(l_y), "u": np.ones(l_u)})
+        attempt(built.move, **samples, corrects=draw(st.booleans()), predicts=draw(st.booleans()))
         attempt(built.restore, damaged_state(draw, built.save()))
         assert built.x.shape == (n,) and built.P.shape == (n, n) and built.k >= 0
 
@@ -83,8 +83,8 @@ def test_refinements(data):
         )
     )  # fmt: skip
     for _ in range(draw(st.integers(1, 8))):
-        given_ = perhaps_damaged(draw, {"w": np.ones(1), "y": np.ones(2), "x": np.ones(2)})
-        attempt(built.step, **given_)
+        samples = perhaps_damaged(draw, {"w": np.ones(1), "y": np.ones(2), "x": np.ones(2)})
+        attempt(built.step, **samples)
         attempt(built.half, np.ones(draw(st.integers(0, 3))), None, draw(st.booleans()))
         attempt(built.restore, damaged_state(draw, built.save()))
         assert built.theta.shape == (8,) and built.P.shape == (8, 8) and built.k >= 0

@@ -43,7 +43,7 @@ def test_every_binding_has_arguments():
     assert set(CLASSES) == set(METHODS) == set(MAKERS)
 
 
-def made(draw, name):
+def built(draw, name):
     function = draw(st.sampled_from(MAKERS[name]))
     arguments = FUNCTIONS[function](draw)
     if function == "python_plant":  # its functions may be wrong, and are asked only later
@@ -51,19 +51,19 @@ def made(draw, name):
     return attempt(getattr(_kernel, function), **arguments)
 
 
-def use(draw, thing):
+def use(draw, obj):
     """A few members of an object, in any order; every property where the walk ends."""
-    name = type(thing).__name__
+    name = type(obj).__name__
     for _ in range(draw(st.integers(1, 6))):
         if not METHODS.get(name):
             break
         method = draw(st.sampled_from(sorted(METHODS[name])))
-        arguments = METHODS[name][method](draw, thing)
+        arguments = METHODS[name][method](draw, obj)
         if method == "restore" and draw(st.booleans()):
             arguments = {"state": damaged_state(draw, arguments["state"])}
-        attempt(getattr(thing, method), *perhaps_damaged(draw, arguments).values())
-    for attribute in public(dir(thing)) - set(METHODS.get(name, ())):
-        getattr(thing, attribute)
+        attempt(getattr(obj, method), *perhaps_damaged(draw, arguments).values())
+    for attribute in public(dir(obj)) - set(METHODS.get(name, ())):
+        getattr(obj, attribute)
         calls["read"] += 1
 
 
@@ -83,7 +83,7 @@ def test_functions(name, data):
 @settings(max_examples=settings().max_examples // 5)
 @given(data=st.data())
 def test_methods(name, method, data):
-    item = made(data.draw, name)
+    item = built(data.draw, name)
     before = calls["refused"]
     for _ in range(data.draw(st.integers(1, 3))):
         arguments = METHODS[name][method](data.draw, item)

@@ -32,7 +32,7 @@ def whole(tmp_path_factory):
 
 
 @pytest.fixture
-def got(whole, tmp_path):
+def foreign(whole, tmp_path):
     """A folder that came from others, and a file of ours beside it."""
     (tmp_path / "ours").mkdir()
     victim = tmp_path / "ours" / "notes.txt"
@@ -40,9 +40,9 @@ def got(whole, tmp_path):
     return tmp_path / "got", victim
 
 
-def renewed(whole, got):
-    shutil.rmtree(got, ignore_errors=True)
-    shutil.copytree(whole, got)
+def renewed(whole, received):
+    shutil.rmtree(received, ignore_errors=True)
+    shutil.copytree(whole, received)
 
 
 def tried(path, table):
@@ -66,11 +66,13 @@ def tried(path, table):
 
 
 @pytest.mark.parametrize("damage", hostile.DAMAGE)
-def test_bytes_that_change_are_seen_and_computed_again(whole, got, damage, monkeypatch, in_full):
+def test_bytes_that_change_are_seen_and_computed_again(
+    whole, foreign, damage, monkeypatch, in_full
+):
     """In this process: 1.5 10^5 tries in others found no byte of a footer that ends it."""
     monkeypatch.setattr(folders, "read_guarded", reader.read_in_process)
     rng = random.Random(damage.__name__)
-    path, victim = got
+    path, victim = foreign
     observed = []
     for _ in range(500 if in_full else 12):
         renewed(whole[0], path)
@@ -84,9 +86,9 @@ def test_bytes_that_change_are_seen_and_computed_again(whole, got, damage, monke
 @pytest.mark.costly
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("kind", hostile.HOSTILE)
-def test_a_hostile_folder_leads_nowhere(whole, got, kind):
+def test_a_hostile_folder_leads_nowhere(whole, foreign, kind):
     """Named by a check, in the child; nothing of ours is touched, and a chunk computed again."""
-    path, victim = got
+    path, victim = foreign
     renewed(whole[0], path)
     hostile.HOSTILE[kind](path, random.Random(kind), victim)
     modules, mine = set(sys.modules), sorted(victim.parent.iterdir())
@@ -147,9 +149,9 @@ def test_a_child_that_is_silent_is_left(whole, tmp_path, monkeypatch, says):
         with pytest.raises(StoreError, match="does not start"):
             check_store(whole[0])
         return
-    found = check_store(whole[0])
-    assert found.damaged[0] == ((0, 2) if says == "echo ready" else (3, 5))
-    assert "memory or time" in found.faults[0] and "not read" in found.faults[-1]
+    report = check_store(whole[0])
+    assert report.damaged[0] == ((0, 2) if says == "echo ready" else (3, 5))
+    assert "memory or time" in report.faults[0] and "not read" in report.faults[-1]
 
 
 def test_the_child_and_this_process_read_the_same(whole, monkeypatch):
@@ -158,8 +160,8 @@ def test_the_child_and_this_process_read_the_same(whole, monkeypatch):
     assert read_table(whole[0]) == guarded == whole[1]
 
 
-def test_nothing_is_imported_from_the_folder_that_one_stands_in(whole, got, monkeypatch):
-    path, victim = got
+def test_nothing_is_imported_from_the_folder_that_one_stands_in(whole, foreign, monkeypatch):
+    path, victim = foreign
     renewed(whole[0], path)
     for name in ("pyarrow", "numpy", "rcac_experiments"):
         (path / f"{name}.py").write_text(f"open({str(victim)!r}, 'w').close()")

@@ -40,7 +40,7 @@ QUICK = ("list", "schema", "place")
 OLD = b"the picture of yesterday"
 TIMES = 17  # for each of six kinds of interruption, with --long
 FULL = "rcac: the output cannot be written: No space left on device.\n"
-SAID = re.compile(r"(rcac: .* cannot be written: (File too large|No space left on device)\.\n)?")
+MESSAGE = re.compile(r"(rcac: .* cannot be written: (File too large|No space left on device)\.\n)?")
 
 
 @dataclass
@@ -130,7 +130,7 @@ def limited_files(subject, rng):
     printed = subject.folder / "cache" / "printed"
     with open(printed, "wb") as output:
         ended = subject.run(lambda process: None, output=output, limits=(size, size))
-    assert SAID.fullmatch(ended.err) and ended.status == (2 if ended.err else 0)
+    assert MESSAGE.fullmatch(ended.err) and ended.status == (2 if ended.err else 0)
     assert printed.read_bytes() == subject.whole.out[:size] or ended.status == 2
 
 

@@ -50,29 +50,29 @@ def makers_of(make) -> list[object]:
     return [make.make, *(one for part in make.parts.values() for one in makers_of(part))]
 
 
-def of_form(form, name: str, seen: set[int]) -> Iterator[tuple[str, object]]:
+def of_form(form, name: str, visited: set[int]) -> Iterator[tuple[str, object]]:
     """What a form and those inside it make of a text, each under the key that names it."""
     if isinstance(form, list | tuple):
         for one in form:
-            yield from of_form(one, name, seen)
+            yield from of_form(one, name, visited)
     elif isinstance(form, dict):
         for key, one in form.items():
-            yield from of_form(one, f"{name}.{key}" if name else str(key), seen)
-    elif isinstance(form, Form) and id(form) not in seen:
-        seen.add(id(form))
+            yield from of_form(one, f"{name}.{key}" if name else str(key), visited)
+    elif isinstance(form, Form) and id(form) not in visited:
+        visited.add(id(form))
         if isinstance(form, Table):
             yield from ((name, one) for one in makers_of(form.make))
             for key in form.keys:
-                yield from of_form(key.form, f"{name}.{key.name}" if name else key.name, seen)
+                yield from of_form(key.form, f"{name}.{key.name}" if name else key.name, visited)
         elif isinstance(form, Kinds):
             for kind, one in form.kinds.items():
                 for variant in one.variants:
-                    yield from of_form(variant.table, f'{name} = "{kind}"', seen)
+                    yield from of_form(variant.table, f'{name} = "{kind}"', visited)
         elif isinstance(form, ByKey):
             yield name, form.number
-            yield from of_form(form.kinds, name, seen)
+            yield from of_form(form.kinds, name, visited)
         else:
-            yield from of_form(list(vars(form).values()), name, seen)
+            yield from of_form(list(vars(form).values()), name, visited)
 
 
 def reachable() -> dict[str, list[tuple[str, str]]]:

@@ -78,8 +78,8 @@ def test_what_an_exact_function_advises_can_be_done(name, in_full):
     arguments, keywords = GOOD[name]
     for place in range(len(arguments)):
 
-        def call(given, place=place):
-            return EXACT[name](*[*arguments[:place], given, *arguments[place + 1 :]], **keywords)
+        def call(argument, place=place):
+            return EXACT[name](*[*arguments[:place], argument, *arguments[place + 1 :]], **keywords)
 
         assert not advice(name, EXACT[name], call, drawn(f"{name}{place}", in_full))
 
@@ -93,7 +93,7 @@ def numeric_names():
 def test_what_a_numeric_function_advises_of_a_system_can_be_done(name, in_full):
     door = numeric_names()[name.partition(".")[0]]
     chosen = [*{*drawn(name, in_full), "a pair", "a quotient", "a mask"}]
-    assert not advice(name, door, lambda given: NUMERIC[name](given, None), chosen)
+    assert not advice(name, door, lambda argument: NUMERIC[name](argument, None), chosen)
 
 
 @pytest.mark.parametrize("name", sorted(ARRAYS))

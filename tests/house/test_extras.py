@@ -13,7 +13,7 @@ from compensator_theory.libraries import EXTRAS
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-OWN = {"compensator_theory", "rcac_numeric", "rcac_experiments"}
+OURS = {"compensator_theory", "rcac_numeric", "rcac_experiments"}
 # What a library is imported as, where its distribution has another name.
 IMPORTED_AS = {"lazy-loader": "lazy_loader", "python-flint": "flint"}
 
@@ -37,14 +37,14 @@ def libraries_of(path):
             result = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and not node.level:
             result = [node.module]
-        yield from {name.partition(".")[0] for name in result} - OWN - set(sys.stdlib_module_names)
+        yield from {name.partition(".")[0] for name in result} - OURS - set(sys.stdlib_module_names)
 
 
 @pytest.mark.costly
 def test_every_library_is_required_or_in_an_extra():
     required = {IMPORTED_AS.get(name, name) for name in names(PROJECT["dependencies"])}
     assert not required & set(EXTRAS)
-    for package in OWN:
+    for package in OURS:
         for path in (ROOT / package).rglob("*.py"):
             assert not set(libraries_of(path)) - required - set(EXTRAS) - {"mpl_toolkits"}, path
 

@@ -46,12 +46,12 @@ for row in FIRST.finditer(PAGE.read_text(encoding="utf-8")):
 
 
 def functions(package):
-    found = {}
+    result = {}
     for name in public_names(package):
         value = read(public_path(package, name))
         if inspect.isfunction(value):
-            found[name] = value
-    return found
+            result[name] = value
+    return result
 
 
 def test_every_function_that_both_have_is_a_row():
@@ -85,20 +85,20 @@ def test_each_names_the_other(name):
     assert paths[0] in inspect.getdoc(other), "the docstring of the numeric half"
 
 
-def coefficients(found):
+def coefficients(target):
     """Numerator and denominator of a scalar target model, by descending powers of q."""
-    numerator, denominator = found.numerator, found.denominator
+    numerator, denominator = target.numerator, target.denominator
     if isinstance(numerator, np.ndarray):
         return np.trim_zeros(numerator.ravel(), "f"), denominator.ravel()
     top, bottom = ([float(c) for c in p.coefficients] for p in (numerator, denominator))
     return top, bottom
 
 
-def in_directions(found):
+def in_directions(target):
     """The taps of a filter in q with two inputs and outputs."""
-    if hasattr(found, "transfer_matrix"):
-        found = rcac.target_model(found.transfer_matrix)
-    return found.numerator
+    if hasattr(target, "transfer_matrix"):
+        target = rcac.target_model(target.transfer_matrix)
+    return target.numerator
 
 
 def floats(*values):

@@ -39,7 +39,7 @@ def errors_of(function):
 
 def readings(tree):
     """Lines where a text that was made of an exception is searched, taken apart or compared."""
-    found = set()
+    lines = set()
     for function in ast.walk(tree):
         if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             continue
@@ -64,13 +64,13 @@ def readings(tree):
                 texts |= {t.id for t in node.targets if isinstance(t, ast.Name)}
         for node in ast.walk(function):
             if isinstance(node, ast.Compare) and any(map(is_text, [node.left, *node.comparators])):
-                found.add(node.lineno)
+                lines.add(node.lineno)
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
-                taken_apart = node.func.attr in READS and is_text(node.func.value)
+                is_split = node.func.attr in READS and is_text(node.func.value)
                 searched = node.func.attr in SEARCHES and any(map(is_text, node.args))
-                if taken_apart or searched:
-                    found.add(node.lineno)
-    return found
+                if is_split or searched:
+                    lines.add(node.lineno)
+    return lines
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -99,8 +99,8 @@ def test_no_message_is_read(package):
 )
 def test_a_reading_is_found(code, is_read):
     for head in ("try:\n  call()\n except InputError as error:\n  ", ""):
-        given = "" if head else "error: CompensatorError"
-        function = f"def f({given}):\n {head}{code}"
+        parameters = "" if head else "error: CompensatorError"
+        function = f"def f({parameters}):\n {head}{code}"
         assert bool(readings(ast.parse(function))) == is_read
 
 
@@ -142,8 +142,8 @@ def test_an_advice_names_a_function_and_its_arguments(place):
 @pytest.mark.parametrize("key", AT_THE_SHELL, ids=":".join)
 def test_the_table_of_the_shell_has_no_advice_that_nobody_gives(key):
     function, argument = key
-    given = {(f, n) for _, f, names in WRITTEN for n in names or [""]}
-    assert any(f == function and argument in ("", n) for f, n in given)
+    advised = {(f, n) for _, f, names in WRITTEN for n in names or [""]}
+    assert any(f == function and argument in ("", n) for f, n in advised)
 
 
 @pytest.mark.parametrize("advice", set(advices()), ids=lambda one: one.function)

@@ -12,13 +12,13 @@ TWICE: dict[str, str] = {}
 
 def homes():
     """Files by the names of the classes that stand in them, those inside functions too."""
-    found = defaultdict(list)
+    files = defaultdict(list)
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_text())):
                 if isinstance(node, ast.ClassDef):
-                    found[node.name].append(str(path.relative_to(ROOT)))
-    return found
+                    files[node.name].append(str(path.relative_to(ROOT)))
+    return files
 
 
 def test_each_class_has_a_name_of_its_own():

@@ -47,17 +47,17 @@ def functions_of(cls):
             yield name, entry
 
 
-def annotations_of(name, thing):
+def annotations_of(name, item):
     """(name, annotation) of what a public function, or the fields and methods of a class, give."""
-    if not inspect.isclass(thing):
-        if inspect.isfunction(thing):
-            yield name, returned(thing)
+    if not inspect.isclass(item):
+        if inspect.isfunction(item):
+            yield name, returned(item)
         return
-    if dataclasses.is_dataclass(thing):
-        hints = typing.get_type_hints(thing, localns=LATE)
-        for field in dataclasses.fields(thing):
+    if dataclasses.is_dataclass(item):
+        hints = typing.get_type_hints(item, localns=LATE)
+        for field in dataclasses.fields(item):
             yield f"{name}.{field.name}", hints[field.name]
-    for method, function in functions_of(thing):
+    for method, function in functions_of(item):
         yield f"{name}.{method}", returned(function)
 
 
@@ -69,7 +69,7 @@ def ours_in(annotation):
         yield from ours_in(part)
 
 
-def found_nones():
+def nones_of_package():
     waiting = public_objects("compensator_theory")
     observed = {}
     while waiting:
@@ -83,13 +83,13 @@ def found_nones():
                     waiting.setdefault(cls.__name__, cls)
 
 
-FOUND = sorted(set(found_nones()))
+NONES = sorted(set(nones_of_package()))
 
 
 def test_every_none_stands_in_the_table():
     listed = set(BY_DEFINITION) | set(PINNED)
-    assert set(FOUND) - listed == set(), "say in nones.toml what None means, or what pins it"
-    assert listed - set(FOUND) == set(), "these are gone, or are never None any more"
+    assert set(NONES) - listed == set(), "say in nones.toml what None means, or what pins it"
+    assert listed - set(NONES) == set(), "these are gone, or are never None any more"
 
 
 def test_every_none_stands_there_once():
@@ -104,7 +104,7 @@ def test_what_pins_a_none_is_a_test_that_looks_at_it(place):
     assert isinstance(node, ast.FunctionDef) and function.startswith("test_")
 
 
-@pytest.mark.parametrize("name", FOUND)
+@pytest.mark.parametrize("name", NONES)
 def test_the_docstring_says_when_it_is_none(name):
     """In the entry of the field, or in the docstring of the function or property."""
     head, _, tail = name.partition(".")

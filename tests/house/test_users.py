@@ -152,15 +152,15 @@ def imported(text):
             yield from (f"{module}.{name}" for name in re.findall(r"\w+", names))
 
 
-def users_in(path, above, seen=()):
+def users_in(path, above, visited=()):
     """What of the packages above a test reaches, by which way."""
     for module in imported(path.read_text(encoding="utf-8")):
         if module.split(".")[0] in above:
-            yield " -> ".join([*seen, path.relative_to(ROOT).as_posix(), module])
+            yield " -> ".join([*visited, path.relative_to(ROOT).as_posix(), module])
         other = ROOT.joinpath(*module.split(".")).with_suffix(".py")
         name = other.relative_to(ROOT).as_posix()
-        if module.startswith("tests.") and other.exists() and name not in seen and other != path:
-            yield from users_in(other, above, (*seen, path.relative_to(ROOT).as_posix()))
+        if module.startswith("tests.") and other.exists() and name not in visited and other != path:
+            yield from users_in(other, above, (*visited, path.relative_to(ROOT).as_posix()))
 
 
 @pytest.mark.parametrize("package", ["compensator_theory", "rcac_numeric"])

@@ -11,13 +11,13 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 BLOCK = re.compile(r"^```(?:\{code-cell\} )?python\n(?:---\n.*?^---\n)?(.*?)^```", re.M | re.S)
-MADE = {"_build", "reference", "notebooks", "jupyter_execute"}
+GENERATED = {"_build", "reference", "notebooks", "jupyter_execute"}
 SOURCES = [
     ROOT / "README.md",
     *(
         p
         for p in sorted((ROOT / "docs").rglob("*.md"))
-        if not MADE & set(p.relative_to(ROOT).parts)
+        if not GENERATED & set(p.relative_to(ROOT).parts)
     ),
     *sorted((ROOT / "notebooks").rglob("*.ipynb")),
 ]
@@ -50,7 +50,7 @@ def is_there(module, name):
     return True
 
 
-def asked_for(tree):
+def names_used(tree):
     """The modules of the packages, and the names that are asked of them."""
     homes = {name: name for name in PACKAGES}
     for node in ast.walk(tree):
@@ -74,5 +74,5 @@ def test_what_is_asked_for_is_there(path):
             code += ast.parse(block).body
         except SyntaxError:  # a sketch, with dots where the reader's own words go
             continue
-    names = set(asked_for(ast.Module(code, [])))
+    names = set(names_used(ast.Module(code, [])))
     assert not {pair for pair in names if not is_there(*pair)}

@@ -98,9 +98,9 @@ def test_it_imports_the_standard_library_alone_and_is_short():
 
 
 def test_as_a_program(tmp_path):
-    found = ct.place_poles("b/(s*(s + a))", "(s + w)**3", feedback=-1)
+    placement = ct.place_poles("b/(s*(s + a))", "(s + w)**3", feedback=-1)
     file = tmp_path / "records.json"
-    file.write_text(json.dumps([ct.certificate_record(found)]), encoding="utf-8")
+    file.write_text(json.dumps([ct.certificate_record(placement)]), encoding="utf-8")
     command = [sys.executable, "-I", recheck.__file__, str(file)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "1 placement\nevery certificate holds\n")

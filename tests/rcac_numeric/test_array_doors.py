@@ -38,7 +38,7 @@ def answer(name, **changed):
     """What a door answers, or the error of ours that refuses."""
     function, call, _ = next(table[name] for table in (DOORS, PLANTS, EXACT) if name in table)
     try:
-        return USED.get(name, lambda made: made)(function(**{**call, **changed}))
+        return USED.get(name, lambda result: result)(function(**{**call, **changed}))
     except CompensatorError as error:
         return error
 
@@ -97,13 +97,13 @@ def hostile_plants(plant):
     )
 
 
-def answered(name, kind, argument, given):
+def answered(name, kind, argument, value):
     """A door given something hostile has a solution or refuses by an error of ours."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         warnings.simplefilter("error", RuntimeWarning)
         try:
-            result = answer(name, **{argument: given})
+            result = answer(name, **{argument: value})
         except (RuntimeWarning, np.linalg.LinAlgError, ArithmeticError) as error:
             raise AssertionError(f"{kind}: {type(error).__name__}: {error}") from error
     if isinstance(result, StabilisingSolution | ContinuousSolution):

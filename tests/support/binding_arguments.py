@@ -228,7 +228,7 @@ FUNCTIONS = {
 MAY_REFUSE = {"compiled_plant", "sensitivity", "learn_noises"}
 
 
-def run_of_a_filter(draw, made):
+def run_of_a_filter(draw, obj):
     there = [[draw(st.booleans())] for _ in range(STEPS)]
     return {
         "u": np.zeros((STEPS, L_U)), "y": np.where(there, some(draw, STEPS, L_Y), np.nan),
@@ -236,30 +236,30 @@ def run_of_a_filter(draw, made):
         "P": np.zeros((STEPS, N, N) if draw(st.booleans()) else 0),
         "innovation": np.zeros((STEPS, L_Y)), "nis": np.zeros(STEPS),
         "log_likelihood": np.zeros(STEPS),
-        "probabilities": np.zeros((STEPS, len(made.probabilities))),
+        "probabilities": np.zeros((STEPS, len(obj.probabilities))),
     }  # fmt: skip
 
 
-def run_of_a_refinement(draw, made):
+def run_of_a_refinement(draw, obj):
     return {
         "w": some(draw, STEPS, 1), "y": some(draw, STEPS, L_Y),
         "x": np.zeros((STEPS, N) if draw(st.booleans()) else 0),
-        "theta": np.zeros((STEPS, len(made.theta))), "z": np.zeros((STEPS, L_Y)),
-        "u": np.zeros((STEPS, len(made.u))),
+        "theta": np.zeros((STEPS, len(obj.theta))), "z": np.zeros((STEPS, L_Y)),
+        "u": np.zeros((STEPS, len(obj.u))),
     }  # fmt: skip
 
 
-def new_target(draw, made):
-    order = draw(st.integers(0, made.longest_order))
+def new_target(draw, obj):
+    order = draw(st.integers(0, obj.longest_order))
     denominator = np.zeros((order + 1, 1, 1))
     denominator[0] = 1.0
     past = draw(st.sampled_from(["keep", "reset", "blend", "replay"]))
     return {"numerator": some(draw, order + 1, 1, 1), "denominator": denominator, "past": past}
 
 
-def copied_numbers(draw, made):
+def copied_numbers(draw, obj):
     """P(0) or its diagonal, theta(0), lambda, weights and a target model of the same order."""
-    (controller,) = made.controllers
+    (controller,) = obj.controllers
     numerator, denominator = controller.target
     l_theta = len(controller.theta)
     P_0 = draw(st.sampled_from([np.ones(l_theta), np.eye(l_theta)]))

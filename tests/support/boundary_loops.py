@@ -13,7 +13,7 @@ from compensator_theory.loops._siso import closed_loop_of_pair
 CLOSE = 1e-9  # of two floats of one number that is known to 30 digits
 
 
-class Asked:
+class Requests:
     """Answers or refusals, and the seconds that each took."""
 
     def __init__(self):
@@ -33,9 +33,9 @@ def refused(answer):
     return isinstance(answer, exact.CompensatorError)
 
 
-def contradictions(G, G_c, asked=None):
+def contradictions(G, G_c, requests=None):
     """Ask margins, gains, locus, delays, norms and connections of the loop 1 + G G_c."""
-    asked = asked or Asked()
+    requests = requests or Requests()
     result = []
 
     def require(condition, sentence):
@@ -47,11 +47,11 @@ def contradictions(G, G_c, asked=None):
     L = exact.TransferFunction(*(exact.polynomial(p) for p in (N, D)))
     is_posed = not closed.is_zero and closed.degree() == D.degree()
     is_stable = is_posed and exact.decide_stability(closed).is_stable
-    gains = asked("gains", exact.stabilising_gains, G, G_c, feedback=-1)
-    locus = asked("locus", exact.root_locus, G, G_c, feedback=-1)
-    margins = asked("margins", exact.stability_margins, G, G_c, feedback=-1)
-    loop = asked("connection", exact.feedback_connection, G, G_c, feedback=-1)
-    shown = asked("sensitivity", exact.sensitivity_function, G, G_c, feedback=-1)
+    gains = requests("gains", exact.stabilising_gains, G, G_c, feedback=-1)
+    locus = requests("locus", exact.root_locus, G, G_c, feedback=-1)
+    margins = requests("margins", exact.stability_margins, G, G_c, feedback=-1)
+    loop = requests("connection", exact.feedback_connection, G, G_c, feedback=-1)
+    shown = requests("sensitivity", exact.sensitivity_function, G, G_c, feedback=-1)
     require(refused(loop) == refused(shown) == (not is_posed), "well posed")
     require(is_posed or isinstance(loop, ImproperError), "the refusal of what is not well posed")
     require((1 in gains) == is_stable, "the gains at 1")
@@ -89,10 +89,10 @@ def contradictions(G, G_c, asked=None):
     elif L.reduced().denominator.degree() != 0 and not N.is_zero:
         result.append("the refusal of the locus")
     if G.variable.name == "s":
-        _delays(asked, require, N, D, closed, margins, is_stable, gains)
+        _delays(requests, require, N, D, closed, margins, is_stable, gains)
     if not refused(loop):
         is_reduced_stable = exact.decide_stability(loop.reduced().denominator).is_stable
-        norm = asked("norm", exact.h_infinity_norm, loop)
+        norm = requests("norm", exact.h_infinity_norm, loop)
         require(refused(norm) != is_reduced_stable, "the norm of what is stable")
         require(not is_stable or not refused(norm), "the norm of a stable loop")
         if not refused(norm):
@@ -101,8 +101,8 @@ def contradictions(G, G_c, asked=None):
     return result
 
 
-def _delays(asked, require, N, D, closed, margins, is_stable, gains):
-    delays = asked("delays", exact.stability_delays, [D, N])
+def _delays(requests, require, N, D, closed, margins, is_stable, gains):
+    delays = requests("delays", exact.stability_delays, [D, N])
     if N.degree() >= D.degree() and not N.is_zero:
         require(refused(delays), "delays of what is not strictly proper")
         return

@@ -31,9 +31,9 @@ def linear_case(seed, n=3, l_u=2, l_y=2, steps=40):
     return LinearModel(A=A, B=B, C=C, D=D), symmetric(Q), symmetric(R), np.array(y), u
 
 
-def relative_error(found, truth):
+def relative_error(estimate, truth):
     """The largest error as a share of the largest entry."""
-    return abs(found - truth).max() / abs(truth).max()
+    return abs(estimate - truth).max() / abs(truth).max()
 
 
 def symmetric(matrix):

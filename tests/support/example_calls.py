@@ -22,7 +22,7 @@ def code_of(one):
     return getattr(function, "__code__", None)
 
 
-class _Found(BaseException):
+class _Located(BaseException):
     """Ends an example where the call that it leads to is known."""
 
 
@@ -38,7 +38,7 @@ def call_of(one):
             names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
             if not code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS):
                 result.append({n: values[n] for n in names if n != "self"})
-            raise _Found
+            raise _Located
 
     examples = doctest.DocTestParser().get_examples(one.__doc__)
     space, before = {"np": np, "__name__": "example"}, os.getcwd()
@@ -46,7 +46,7 @@ def call_of(one):
         os.chdir(folder)
         sys.setprofile(look)
         try:
-            with warnings.catch_warnings(), contextlib.suppress(_Found):
+            with warnings.catch_warnings(), contextlib.suppress(_Located):
                 warnings.simplefilter("ignore")
                 for example in examples:
                     with contextlib.suppress(Exception):  # an example may end in its error

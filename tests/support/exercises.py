@@ -20,15 +20,15 @@ def as_matrix(answer):
     return sympy.Matrix([[sympy.sympify(answer)]])
 
 
-def equal(found, expected):
+def equal(answer, expected):
     """Whether they are the same matrix of expressions."""
-    found, expected = as_matrix(found), as_matrix(expected)
-    return found.shape == expected.shape and all(
-        sympy.simplify(entry) == 0 for entry in found - expected
+    answer, expected = as_matrix(answer), as_matrix(expected)
+    return answer.shape == expected.shape and all(
+        sympy.simplify(entry) == 0 for entry in answer - expected
     )
 
 
-def encloses(found: Enclosure, expected):
+def encloses(enclosure: Enclosure, expected):
     """Whether a certified number holds this one, and is known to fifteen digits."""
     value = sympy.N(sympy.sympify(expected), 60)
-    return abs(value - found.centre) <= found.radius <= 1e-15 * abs(value)
+    return abs(value - enclosure.centre) <= enclosure.radius <= 1e-15 * abs(value)

@@ -9,7 +9,7 @@ needs_clang = pytest.mark.skipif(
     shutil.which("clang") is None or shutil.which("wasm-ld") is None,
     reason="clang and wasm-ld are not installed",
 )
-OWN = """
+CASE = """
 id = "own"
 title = "</script><b>Mine</b>"
 [plant]
@@ -34,7 +34,7 @@ seed = 11
 
 def own(**changes):
     """The tables, with other entries; None takes one away, and a table in a list is a new one."""
-    tables = tomllib.loads(OWN)
+    tables = tomllib.loads(CASE)
     for name, entries in changes.items():
         (old, new) = ({}, entries[0]) if isinstance(entries, list) else (tables.get(name), entries)
         joined = {**(old or {}), **new}

@@ -51,7 +51,7 @@ def _parts(table: Table) -> Iterator[Table]:
 
 
 def _scaled(text: str, factor: float) -> str:
-    return NUMBER.sub(lambda found: repr(float(found.group(0)) * factor), text, count=1)
+    return NUMBER.sub(lambda match: repr(float(match.group(0)) * factor), text, count=1)
 
 
 def _coefficient(part: Table) -> bool:

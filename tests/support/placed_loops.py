@@ -68,7 +68,7 @@ def text(coefficients):
     return " + ".join(f"({c})*q**{degree - i}" for i, c in enumerate(coefficients))
 
 
-def asked_roots(rng):
+def requested_roots(rng):
     """One to three poles, at times a pair or a double one."""
     kind = rng.integers(0, 4)
     if kind == 0:
@@ -87,7 +87,7 @@ class Drawn:
         free = (z for z in iter(lambda: decimal(rng, -1.6, 1.6), None) if z not in self.poles)
         self.zeros = [z for z in (next(free) for _ in range(order - 1)) if abs(z) != 1]
         self.gain = decimal(rng, 0.2, 2)
-        self.asked = asked_roots(rng)
+        self.asked = requested_roots(rng)
         self.n_c = order + self.delay + int(rng.integers(0, 2))
 
     @property
@@ -102,16 +102,16 @@ class Drawn:
     def plant(self):
         return rn.standard_plant(f"({text(self.numerator)})/({text(self.denominator)})")
 
-    def target(self, asked=None):
+    def target(self, roots=None):
         """G_f of the drawn poles, or of others."""
-        D_p = text(from_roots(self.asked if asked is None else asked))
+        D_p = text(from_roots(self.asked if roots is None else roots))
         return rn.pole_placement_target(self.plant, D_p)
 
-    def placing(self, asked=None, plant=None):
+    def placing(self, requested=None, plant=None):
         """The exact controller that places what the target model asks for, as fractions."""
         plant = self.plant if plant is None else plant
         polynomial = target_characteristic_polynomial(
-            plant.problem, self.n_c, self.target(asked).exact
+            plant.problem, self.n_c, self.target(requested).exact
         )
         placement = place_poles(
             plant.problem.transfer_function("yu"), polynomial, self.n_c, feedback=+1,

@@ -57,25 +57,25 @@ def calls(name):
     for argument, more in itertools.product(fixed, options):
         for place, how in itertools.product(range(len(argument)), ("times", "plus")):
 
-            def call(symbol, given=argument, place=place, how=how, more=more):
-                inner = mixed(given[place], how, symbol)
+            def call(symbol, value=argument, place=place, how=how, more=more):
+                inner = mixed(value[place], how, symbol)
                 return (
-                    None if inner is None else ([*given[:place], inner, *given[place + 1 :]], more)
+                    None if inner is None else ([*value[:place], inner, *value[place + 1 :]], more)
                 )
 
-            yield call, names_given(argument, more)
+            yield call, names_of(argument, more)
 
 
-def names_given(*arguments):
+def names_of(*arguments):
     """What the caller has named, variables included."""
     result = symbols_in(arguments)
     for value in arguments:
         if isinstance(value, str):
             result |= set(re.findall(r"[^\W\d]\w*", value))
         elif type(value) in (list, tuple):
-            result |= names_given(*value)
+            result |= names_of(*value)
         elif isinstance(value, dict):
-            result |= names_given(*value.values())
+            result |= names_of(*value.values())
     return result
 
 

@@ -157,8 +157,8 @@ MASKS = [
 ]
 
 
-def _never(found, at_most):
-    assert np.abs(found.x).max() < at_most
+def _never(estimates, at_most):
+    assert np.abs(estimates.x).max() < at_most
 
 
 def _no_sentinel(log):

@@ -153,11 +153,11 @@ ASCENDING = [
 ]
 
 
-@pytest.mark.parametrize("given", ASCENDING)
-def test_polynomials_of_other_libraries(given):
+@pytest.mark.parametrize("obj", ASCENDING)
+def test_polynomials_of_other_libraries(obj):
     """(z + 5)(z + 7), which each class says of itself; its roots are outside the circle."""
     try:
-        read = ct.polynomial(given, "z")
+        read = ct.polynomial(obj, "z")
     except ct.CompensatorError:
         return  # to refuse is right too
     assert read.as_expr() == sp.expand((sp.Symbol("z") + 5) * (sp.Symbol("z") + 7))

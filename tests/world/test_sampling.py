@@ -137,9 +137,9 @@ TIMES = [
 ]
 
 
-@pytest.mark.parametrize(("dt", "asked"), TIMES)
-def test_sample_times_that_differ_by_rounding_are_equal(dt, asked):
-    plant = plant_of(control.tf([0.5], [1, -0.5], dt), sample_time=asked)
+@pytest.mark.parametrize(("dt", "dt_2"), TIMES)
+def test_sample_times_that_differ_by_rounding_are_equal(dt, dt_2):
+    plant = plant_of(control.tf([0.5], [1, -0.5], dt), sample_time=dt_2)
     assert plant.sample_time == pytest.approx(dt, rel=1e-12)
 
 

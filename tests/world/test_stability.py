@@ -12,8 +12,8 @@ oo, R = sp.oo, sp.Rational
 X = Polynomial([0, 1])
 
 
-def intervals(found):
-    return [(cell.lower, cell.upper) for cell in found.intervals]
+def intervals(solution):
+    return [(cell.lower, cell.upper) for cell in solution.intervals]
 
 
 GAINS = [

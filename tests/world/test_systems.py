@@ -14,8 +14,8 @@ s = sp.Symbol("s")
 NUM, DEN = [[[1], [2]], [[3], [4]]], [[[1, 1], [1, 2]], [[1, 3], [1, 4]]]
 
 
-def same(found, right):
-    return sp.simplify(sp.sympify(found) - sp.sympify(right)) == 0
+def same(answer, right):
+    return sp.simplify(sp.sympify(answer) - sp.sympify(right)) == 0
 
 
 THERE_AND_BACK = [
@@ -30,12 +30,12 @@ THERE_AND_BACK = [
 ]
 
 
-@pytest.mark.parametrize(("given", "order"), THERE_AND_BACK)
-def test_a_realisation_gives_its_transfer_function_back(given, order):
+@pytest.mark.parametrize(("text", "order"), THERE_AND_BACK)
+def test_a_realisation_gives_its_transfer_function_back(text, order):
     """By hand: the degree; a constant has no state, a motor no zeros."""
-    system = ct.realisation(given, "s")
+    system = ct.realisation(text, "s")
     assert system.n == order
-    want = sp.sympify(given, rational=True, locals={"s": s})
+    want = sp.sympify(text, rational=True, locals={"s": s})
     assert same(system.transfer_function().as_expr(), want)
 
 
@@ -86,17 +86,17 @@ DEGREES = [
 ]
 
 
-@pytest.mark.parametrize(("given", "right"), DEGREES)
-def test_mcmillan_degrees(given, right):
+@pytest.mark.parametrize(("system", "right"), DEGREES)
+def test_mcmillan_degrees(system, right):
     """By hand, from the minors; of num and den as MATLAB and python-control take them."""
     try:
-        result = ct.mcmillan_degree(given, "s")
+        result = ct.mcmillan_degree(system, "s")
     except ct.CompensatorError:
-        assert isinstance(given, tuple)  # refused is right too: such a nest is ambiguous
+        assert isinstance(system, tuple)  # refused is right too: such a nest is ambiguous
         return
     assert result == right
-    if not isinstance(given, tuple):
-        assert ct.minimal_realisation(given, "s").order == right
+    if not isinstance(system, tuple):
+        assert ct.minimal_realisation(system, "s").order == right
 
 
 def test_num_and_den_have_the_shape_of_python_control():
@@ -115,10 +115,10 @@ REDUCED = [
 ]
 
 
-@pytest.mark.parametrize(("given", "right"), REDUCED)
-def test_common_factors_of_decimals_cancel(given, right):
+@pytest.mark.parametrize(("system", "right"), REDUCED)
+def test_common_factors_of_decimals_cancel(system, right):
     """By hand."""
-    assert same(ct.transfer_function(given, "s").reduced().as_expr(), right)
+    assert same(ct.transfer_function(system, "s").reduced().as_expr(), right)
 
 
 def test_nested_loops_with_ten_symbols():
@@ -196,10 +196,10 @@ POLES = [
 ]
 
 
-@pytest.mark.parametrize(("given", "zeros", "poles"), POLES)
-def test_poles_and_zeros(given, zeros, poles):
+@pytest.mark.parametrize(("system", "zeros", "poles"), POLES)
+def test_poles_and_zeros(system, zeros, poles):
     """By hand: written from them."""
-    G = ct.transfer_function(given, "s")
+    G = ct.transfer_function(system, "s")
     assert sorted(map(complex, (r.value for r in G.zeros())), key=str) == pytest.approx(
         sorted(map(complex, zeros), key=str)
     )

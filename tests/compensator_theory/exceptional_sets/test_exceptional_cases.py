@@ -159,10 +159,10 @@ def analysed(name, parts):
     return exceptional_cases(function, *arguments, **options)
 
 
-def points_of(found, values):
+def points_of(analysis, values):
     """Points of a small grid, and one in each case that is solved for its symbols."""
     yield from itertools.product([-1, 0, Fraction(1, 2), 2], repeat=3)
-    for case in found.cases:
+    for case in analysis.cases:
         solved = dict(case.values)
         free = {x: value for x, value in zip(SYMBOLS, values, strict=True) if x not in solved}
         point = [sympy.sympify(solved.get(x, x)).subs(free) for x in SYMBOLS]
@@ -208,8 +208,8 @@ def test_cases_are_what_a_construction_answers_at_points(name, in_full):
     assert observed["answered"] and observed["open"] < sum(observed.values()) / 5, observed
 
 
-def conditions(found):
-    return [(case.conditions, case.status) for case in found.cases]
+def conditions(analysis):
+    return [(case.conditions, case.status) for case in analysis.cases]
 
 
 def test_a_solution_where_the_resultant_vanishes_and_what_was_free():

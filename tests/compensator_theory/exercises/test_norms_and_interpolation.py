@@ -12,9 +12,9 @@ from tests.support.exercises import equal
 s = sympy.Symbol("s")
 
 
-def least(found):
+def least(solution):
     """The square of the least bound, a root of the polynomial that is found or a number."""
-    return sympy.sympify(found.least_squared)
+    return sympy.sympify(solution.least_squared)
 
 
 def test_norm_of_a_lag():

@@ -16,9 +16,9 @@ from tests.support.exercises import equal
 z, h = sympy.symbols("z h")
 
 
-def with_exponentials(found):
+def with_exponentials(sampled):
     """The sampled transfer function with its exponentials written out."""
-    return found.transfer_function.as_expr().subs(found.exponentials)
+    return sampled.transfer_function.as_expr().subs(sampled.exponentials)
 
 
 def test_sampled_integrator():

@@ -8,8 +8,8 @@ from compensator_theory.roots import hurwitz_determinants, reflection_coefficien
 from tests.support.exercises import equal
 
 
-def intervals(found):
-    return [(cell.lower, cell.upper) for cell in found.intervals]
+def intervals(solution):
+    return [(cell.lower, cell.upper) for cell in solution.intervals]
 
 
 def test_routh_for_a_cubic():

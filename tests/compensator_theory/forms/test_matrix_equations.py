@@ -89,8 +89,8 @@ def equations(draw):
 def test_the_solution_of_least_degree(drawn, side):
     A, B, X, Y = drawn
     C = A @ X + B @ Y
-    given_ = (A, B, C) if side == "right" else (A.T, B.T, C.T)
-    solution = ct.solve_matrix_diophantine(*given_, side=side)
+    matrices = (A, B, C) if side == "right" else (A.T, B.T, C.T)
+    solution = ct.solve_matrix_diophantine(*matrices, side=side)
     assert solution.certificate.holds
     x, y = (solution.X, solution.Y) if side == "right" else (solution.X.T, solution.Y.T)
     assert A @ x + B @ y == C

@@ -211,8 +211,8 @@ def test_matched_poles_and_zeros_are_exponentials(zeros, poles, step):
         [sympy.exp(r * step) for r in zeros] + [-1] * at_infinity,
         [sympy.exp(r * step) for r in poles],
     )
-    for found_, roots in zip((numerator / numerator[0], denominator), expected, strict=True):
-        assert np.allclose(found_, np.poly([complex(r) for r in roots]), rtol=1e-9, atol=1e-9)
+    for factor, roots in zip((numerator / numerator[0], denominator), expected, strict=True):
+        assert np.allclose(factor, np.poly([complex(r) for r in roots]), rtol=1e-9, atol=1e-9)
     order = poles.count(0) - zeros.count(0)
     at_rest = complex(sympy.limit(2 * s**order * N / D, s, 0))
     for p in (numerator, denominator):

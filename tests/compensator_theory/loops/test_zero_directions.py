@@ -16,7 +16,7 @@ q = sympy.Symbol("q")
 
 
 @st.composite
-def asked(draw, count):
+def requested_zeros(draw, count):
     size = draw(st.integers(2, 3))
     H = sympy.Matrix(size, size, draw(st.lists(SMALL, min_size=size**2, max_size=size**2)))
     assume(H.det() != 0)
@@ -26,7 +26,7 @@ def asked(draw, count):
     return H, list(zip(values, etas, strict=True))
 
 
-@given(asked(1), st.integers(1, 3))
+@given(requested_zeros(1), st.integers(1, 3))
 def test_one_real_zero_is_the_projection(case, delay):
     """q^-d (I - z0 q^-1 eta eta'/eta'eta) H, by SymPy's own matrices."""
     H, [(z0, eta)] = case
@@ -37,7 +37,7 @@ def test_one_real_zero_is_the_projection(case, delay):
     assert (built.transfer_matrix.as_matrix() - expected).applyfunc(sympy.cancel).is_zero_matrix
 
 
-@given(asked(2), st.lists(st.integers(1, 3), min_size=3, max_size=3))
+@given(requested_zeros(2), st.lists(st.integers(1, 3), min_size=3, max_size=3))
 def test_every_condition_holds_and_there_are_no_other_nmp_zeros(case, delays):
     H, zeros = case
     built = zero_direction_target(H.tolist(), zeros, delays=delays[: H.rows])
@@ -79,7 +79,7 @@ def test_wide_and_tall():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (([[1, 2], [2, 4]], [("2", [1, 0])]), "full rank"),
         (([[1, 0], [0, 1]], [("1/2", [1, 0])]), "inside the unit circle"),
@@ -91,8 +91,8 @@ def test_wide_and_tall():
         (([[1, 0], [0]], []), "one and the same"),
     ],
 )
-def test_bad_input(arguments, said):
-    with pytest.raises(InputError, match=said):
+def test_bad_input(arguments, message):
+    with pytest.raises(InputError, match=message):
         zero_direction_target(*arguments)
 
 

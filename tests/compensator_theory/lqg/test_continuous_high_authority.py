@@ -69,12 +69,12 @@ def roots_of(factor):
         return [mpmath.mpc(real, imaginary) for real, imaginary in texts]
 
 
-def nearest(found, expected):
+def nearest(poles, expected):
     """The largest distance of expected poles, each matched with one that was found."""
-    found, worst = list(found), mpmath.mpf(0)
+    poles, worst = list(poles), mpmath.mpf(0)
     for pole in sorted(expected, key=abs):
-        best = min(found, key=lambda other: abs(other - pole))
-        found.remove(best)
+        best = min(poles, key=lambda other: abs(other - pole))
+        poles.remove(best)
         worst = max(worst, abs(best - pole))
     return worst
 

@@ -361,8 +361,8 @@ def test_a_controller_without_a_formula_says_which_numbers_are_certified():
     plant = lqg_problem(
         ([[1, 2], [0, 3]], [[1], [2]], [[1, 1]]), unit, [[1]], unit, [[1]], variable="s"
     )
-    found = lqg_controller(plant)
-    assert found.compensator is None
-    named = str(found).partition("certified are ")[2].replace(" and ", ", ").split(", ")
+    designed = lqg_controller(plant)
+    assert designed.compensator is None
+    named = str(designed).partition("certified are ")[2].replace(" and ", ", ").split(", ")
     assert len(named) == 3
-    assert all(attrgetter(name)(found) is not None for name in named)
+    assert all(attrgetter(name)(designed) is not None for name in named)

@@ -64,8 +64,8 @@ SAME = {
 
 @settings(max_examples=5)
 @given(squares())
-def test_whatever_is_asked_the_answer_is_that_of_sympys_own_matrix(given_matrix):
-    remaining, plain = exact_matrix(given_matrix, "A"), lowest(given_matrix)
+def test_whatever_is_asked_the_answer_is_that_of_sympys_own_matrix(matrix):
+    remaining, plain = exact_matrix(matrix, "A"), lowest(matrix)
     assert isinstance(remaining, SymbolicMatrix) and not is_rational_matrix(remaining)
     assert remaining == plain and plain == remaining and {remaining: 1}[plain] == 1
     assert remaining != plain + sympy.eye(plain.rows) and remaining != 0

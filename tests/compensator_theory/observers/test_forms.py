@@ -180,12 +180,12 @@ def test_example_7_1_all_six_from_the_transfer_function_alone():
     forms = observer_forms(
         EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)", variable="s"), variable="s"
     )
-    spectra_found = {
+    pairs = {
         (frozenset(sympy.roots(form.regulator)), frozenset(sympy.roots(form.observer)))
         for form in forms.forms
     }
     poles = {-2, -4, -5, -6}
-    assert spectra_found == {
+    assert pairs == {
         (frozenset(pair), frozenset(poles - set(pair)))
         for pair in itertools.combinations(poles, 2)
     }  # fmt: skip

@@ -12,23 +12,23 @@ from compensator_theory.errors import NoSolutionError, NotCoprimeError
 s, a, t0, t1, t2 = sympy.symbols("s a t0 t1 t2")
 PLANT = "(s - a)/((s - 1)*(s - 2))"
 TARGET = "s**3 + t2*s**2 + t1*s + t0"
-FOUND = place_poles(
+PLACEMENT = place_poles(
     transfer_function(PLANT, "s"), polynomial=polynomial(TARGET, "s"), feedback=-1, n_c=1
 )
 RATIONAL = st.integers(-9, 9).map(lambda k: Rational(k, 2))
 
 
 def test_the_exceptional_set_of_the_notes():
-    assert set(FOUND.exceptional) == {a - 1, a - 2}
+    assert set(PLACEMENT.exceptional) == {a - 1, a - 2}
     expected = (a**2 * (t2 + 3) + a * (t1 - 2) + t0) / ((a - 1) * (a - 2))
-    assert sympy.cancel(FOUND.denominator.eval(0) - expected) == 0
+    assert sympy.cancel(PLACEMENT.denominator.eval(0) - expected) == 0
 
 
 @given(st.fixed_dictionaries(dict.fromkeys((a, t0, t1, t2), RATIONAL)))
 def test_the_answer_holds_off_the_set_and_branches_on_it(values):
     plant = transfer_function(PLANT, "s").subs({"a": values[a]})
     target = polynomial(sympy.sympify(TARGET).subs(values), "s")
-    if any(factor.subs(values) == 0 for factor in FOUND.exceptional):
+    if any(factor.subs(values) == 0 for factor in PLACEMENT.exceptional):
         if target.eval(values[a]) != 0:  # the hidden mode is no root of the target
             with pytest.raises(NotCoprimeError):
                 place_poles(plant, polynomial=target, feedback=-1, n_c=1)
@@ -41,7 +41,10 @@ def test_the_answer_holds_off_the_set_and_branches_on_it(values):
         return
     there = place_poles(plant, polynomial=target, feedback=-1, n_c=1)
     assert there.is_unique
-    for one, other in ((FOUND.numerator, there.numerator), (FOUND.denominator, there.denominator)):
+    for one, other in (
+        (PLACEMENT.numerator, there.numerator),
+        (PLACEMENT.denominator, there.denominator),
+    ):
         assert sympy.expand(one.as_expr().subs(values) - other.as_expr()) == 0
 
 

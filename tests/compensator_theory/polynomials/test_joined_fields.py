@@ -28,8 +28,8 @@ def value(G):
     return (G.numerator.as_expr() / G.denominator.as_expr()).subs(G.variable, POINT).evalf(60)
 
 
-def near(found, expected):
-    return abs(found - expected) <= 1e-40 * abs(expected)
+def near(number, expected):
+    return abs(number - expected) <= 1e-40 * abs(expected)
 
 
 @pytest.mark.costly

@@ -21,14 +21,14 @@ INTEGERS = st.lists(st.integers(-9, 9), min_size=1, max_size=5).filter(lambda c:
 def test_every_class_is_read_in_its_own_order(ascending):
     poly = exact.polynomial(ascending[::-1], "s")
     terms = sum(c * x**k for k, c in enumerate(ascending))
-    for given_ in (
+    for obj in (
         Polynomial(ascending), Polynomial([*ascending, 0]), flint.fmpz_poly(ascending),
         flint.fmpq_poly(ascending), flint.fmpq_series(ascending), flint.fmpz_series(ascending),
         np.poly1d(ascending[::-1]), np.array(ascending[::-1]), tuple(ascending[::-1]),
         sympy.Tuple(*ascending[::-1]),
     ):  # fmt: skip
-        assert exact.polynomial(given_, "s") == poly, type(given_)
-        assert exact.resultant(given_, "s + 2", variable="s") == exact.resultant(poly, "s + 2")
+        assert exact.polynomial(obj, "s") == poly, type(obj)
+        assert exact.resultant(obj, "s + 2", variable="s") == exact.resultant(poly, "s + 2")
     ring = sympy.ring("x", sympy.QQ)[0]
     element = ring.from_expr(terms)
     assert exact.polynomial(element) == exact.polynomial(ascending[::-1], "x")
@@ -82,7 +82,7 @@ class Backwards:
 
 
 @pytest.mark.parametrize(
-    "given_",
+    "obj",
     [Backwards(), iter([1, 2]), (c for c in (1, 2)), {1, 2}, {0: 1}, dict.fromkeys("ab").keys(),
      np.ones((2, 1)), flint.arb_poly([1, 2]), flint.fmpq_mat(1, 2, [1, 2]),
      flint.nmod_poly([1, 2], 5), sympy.Matrix([1, 2]), sympy.FiniteSet(1, 2), memoryview(b"12"),
@@ -92,19 +92,19 @@ class Backwards:
     "door", [exact.polynomial, lambda p, v: exact.transfer_function((p, [1, 2, 3]), v),
              lambda p, v: exact.resultant(p, "s + 1", variable=v)],
 )  # fmt: skip
-def test_whatever_else_can_be_iterated_is_no_list_of_coefficients(given_, door):
+def test_whatever_else_can_be_iterated_is_no_list_of_coefficients(obj, door):
     with pytest.raises(exact.InputError):
-        door(given_, "s")
+        door(obj, "s")
 
 
-@pytest.mark.parametrize("given_", [Polynomial([1, 2]), np.poly1d([1, 2]), Backwards()])
-def test_a_list_of_numbers_is_no_polynomial(given_):
+@pytest.mark.parametrize("obj", [Polynomial([1, 2]), np.poly1d([1, 2]), Backwards()])
+def test_a_list_of_numbers_is_no_polynomial(obj):
     for door in (
-        lambda: PUBLIC["pade_approximant"](given_, 0, 1),
-        lambda: PUBLIC["partial_realisation"](given_),
-        lambda: exact.read_roots(given_),
-        lambda: exact.polynomial_from_roots(given_, "s"),
-        lambda: exact.Realisation(given_, [[1]], [[1]]),
+        lambda: PUBLIC["pade_approximant"](obj, 0, 1),
+        lambda: PUBLIC["partial_realisation"](obj),
+        lambda: exact.read_roots(obj),
+        lambda: exact.polynomial_from_roots(obj, "s"),
+        lambda: exact.Realisation(obj, [[1]], [[1]]),
     ):
         with pytest.raises(exact.InputError):
             door()

@@ -114,8 +114,8 @@ def test_one_polynomial_in_every_form(p):
 
 
 def test_lists():
-    for given_ in ([1, 1 - 2j], [1, "1 - 2*I"], np.array([1, 1 - 2j])):
-        assert decide_stability(given_, "s").is_stable
+    for coefficients in ([1, 1 - 2j], [1, "1 - 2*I"], np.array([1, 1 - 2j])):
+        assert decide_stability(coefficients, "s").is_stable
     assert decide_stability([1, 1 - 2j], time="continuous").is_stable
     assert str(partial_fractions(("1", "s + 1 - 2*I"), "s")) == "(1)/(s + (1 - 2*I))"
 

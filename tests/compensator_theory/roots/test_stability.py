@@ -285,7 +285,7 @@ def test_a_system_that_is_not_read_names_what_reads_it():
 @pytest.mark.parametrize("ask", [decide_stability, count_roots, locate_roots])
 def test_a_matrix_names_what_reads_it(ask):
     A = [[0, 1], [-1, -1]]
-    for given_in_its_place in (A, np.array(A), sympy.Matrix(A), (A, [[0], [1]], [[1, 0]])):
+    for obj in (A, np.array(A), sympy.Matrix(A), (A, [[0], [1]], [[1, 0]])):
         with pytest.raises(InputError, match=r"charpoly"):
-            ask(given_in_its_place)
+            ask(obj)
     assert ask(sympy.Matrix(A).charpoly("s")) == ask("s**2 + s + 1")

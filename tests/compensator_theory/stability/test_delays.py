@@ -14,8 +14,8 @@ from tests.support.structure_cases import fewer
 PI = np.pi
 
 
-def ends(found):
-    return [(float(a), np.inf if b is None else float(b)) for a, b in found.windows]
+def ends(delays):
+    return [(float(a), np.inf if b is None else float(b)) for a, b in delays.windows]
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,8 @@ s, z, k, a, b, c, d = sympy.symbols("s z k a b c d")
 MIDDLE, WIDTH = sympy.Rational(59, 2), 3 * sympy.sqrt(17) / 2
 
 
-def ends(found):
-    return [(cell.lower, cell.upper) for cell in found.intervals]
+def ends(solution):
+    return [(cell.lower, cell.upper) for cell in solution.intervals]
 
 
 @pytest.mark.parametrize(
@@ -196,8 +196,8 @@ def test_a_coefficient_over_a_symbolic_denominator_has_as_many_terms_as_are_allo
 ):
     with ct.budget(terms=terms):
         (condition,) = ct.stability_conditions("s + (a + b + c)/(d + e + f)", "s")
-    wanted = sympy.sympify("(a + b + c)*(d + e + f)")
-    assert condition == (wanted if is_product else sympy.expand(wanted))
+    expected = sympy.sympify("(a + b + c)*(d + e + f)")
+    assert condition == (expected if is_product else sympy.expand(expected))
 
 
 def test_two_pendula_with_sixteen_symbols():

@@ -17,12 +17,12 @@ from tests.support.structure_cases import fewer
 REGIONS = ["s*(s + 1)**3 + a*s + b", "s**3 + a*s**2 + b*s + 1", "s**2 + (a*b - 1)*s + a - b",
            "s**3 + s**2 + a*s + b*a", "z**2 + a*z + b", "z**3 - z/2 + a*z + b", "s + a*b",
            "s**4 + 2*s**3 + (a + 2)*s**2 + b*s + a**2"]  # fmt: skip
-FOUND = {text: stability_region(text, "a", "b") for text in REGIONS}
+REGION_OF = {text: stability_region(text, "a", "b") for text in REGIONS}
 
 
 @given(st.sampled_from(REGIONS), st.data())
 def test_drawn_pairs_lie_inside_or_outside(text, data):
-    result = FOUND[text]
+    result = REGION_OF[text]
     p, q = (Rational(data.draw(st.integers(-40, 60)), data.draw(st.integers(1, 8))) for _ in "pq")
     there = [
         complex(c.subs({"a": p, "b": q}))
@@ -38,7 +38,7 @@ def test_drawn_pairs_lie_inside_or_outside(text, data):
 @fewer(2)
 def test_a_slab_looks_the_same_everywhere(text, data):
     """As many stable intervals at any other place of a slab."""
-    slab = data.draw(st.sampled_from(FOUND[text].slabs))
+    slab = data.draw(st.sampled_from(REGION_OF[text].slabs))
     share = Rational(data.draw(st.integers(1, 9)), 10)
     ends = [
         slab.sample - 5
@@ -49,7 +49,7 @@ def test_a_slab_looks_the_same_everywhere(text, data):
         for e in (slab.lower, slab.upper)
     ]
     place = ends[0] + share * (ends[1] - ends[0])
-    assert len(FOUND[text].section(place).intervals) == len(slab.section.intervals)
+    assert len(REGION_OF[text].section(place).intervals) == len(slab.section.intervals)
 
 
 def test_regions_of_the_notes():

@@ -66,11 +66,12 @@ def test_connections_are_those_of_sympy(G, H, sign):
     """SymPy's control module as the oracle, compared as rational functions."""
     first, second = G.to_sympy(), H.to_sympy()
 
-    def same(found, expected):
+    def same(connection, expected):
         numerator, denominator = expected.num, expected.den
         return (
             sympy.expand(
-                found.numerator.as_expr() * denominator - numerator * found.denominator.as_expr()
+                connection.numerator.as_expr() * denominator
+                - numerator * connection.denominator.as_expr()
             )
             == 0
         )
@@ -175,10 +176,10 @@ def square(D):
 
 
 @pytest.mark.parametrize(
-    "made", [lambda R: R, ct.Realisation.transfer_matrix], ids=["states", "map"]
+    "combination", [lambda R: R, ct.Realisation.transfer_matrix], ids=["states", "map"]
 )
-def test_systems_of_several_signals_compute_as_matrices(made):
-    G, H = made(square([[1, 0], [0, 2]])), made(square([[1, 1], [0, 1]]))
+def test_systems_of_several_signals_compute_as_matrices(combination):
+    G, H = combination(square([[1, 0], [0, 2]])), combination(square([[1, 1], [0, 1]]))
 
     def at(system):
         whole = system.transfer_matrix() if isinstance(system, ct.Realisation) else system

@@ -31,7 +31,7 @@ G, P = c.transfer_function(siso()), c.transfer_matrix(mimo())
 R, S = c.realisation(mimo()), c.standard_problem(siso())
 FAMILY = c.place_poles(G, [0] * 5, 3, feedback=-1)
 READERS = [c.transfer_function, c.transfer_matrix, c.realisation]
-MADE = {
+CONSTRUCTIONS = {
     "sum": G + 1, "from the right": 2 / (G - "1/z"), "power": -(G**-2),
     "reduced": (G / G).reduced(), "subs": ("a" * G).subs({"a": 2}),
     "composed": c.transfer_function("1/(s + 1)").compose(G),
@@ -48,9 +48,9 @@ MADE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", CONSTRUCTIONS)
 def test_the_sample_time_is_kept_and_goes_out(name):
-    built = MADE[name]
+    built = CONSTRUCTIONS[name]
     assert getattr(built, "sample_time", PERIOD) == PERIOD
     assert getattr(built, "time", "discrete") == "discrete"
     assert built.to_control().dt == T
@@ -84,13 +84,17 @@ def test_two_sample_times_are_not_joined(join):
         join()
 
 
-@pytest.mark.parametrize("made", [P, R, c.standard_problem(siso())], ids=str)
-def test_what_goes_out_has_the_response_of_what_came_in(made):
-    out = made.to_control()
+@pytest.mark.parametrize("construction", [P, R, c.standard_problem(siso())], ids=str)
+def test_what_goes_out_has_the_response_of_what_came_in(construction):
+    out = construction.to_control()
     for z in np.exp(1j * np.array([0.2, 1.0, 2.5])):
         result = np.atleast_2d(out(z))
-        source = mimo()(z) if made is not MADE["problem"] and result.shape == (2, 2) else None
-        if isinstance(made, c.StandardProblem):
+        source = (
+            mimo()(z)
+            if construction is not CONSTRUCTIONS["problem"] and result.shape == (2, 2)
+            else None
+        )
+        if isinstance(construction, c.StandardProblem):
             source = np.full((2, 2), siso()(z))
         np.testing.assert_allclose(result, source, rtol=1e-12)
 
@@ -286,7 +290,7 @@ FIRST |= {
 TIMED = sorted(name for name in FIRST if "variable" in inspect.signature(PUBLIC[name]).parameters)
 
 
-def asked(name, system, **options):
+def result_of(name, system, **options):
     if "feedback" in inspect.signature(PUBLIC[name]).parameters:
         options["feedback"] = -1
     return PUBLIC[name](system, *FIRST[name], **options)
@@ -295,14 +299,14 @@ def asked(name, system, **options):
 @pytest.mark.parametrize("name", sorted(FIRST))
 def test_all_kinds_are_read(name):
     for kind, system in KINDS.items():
-        assert asked(name, system, **({"variable": "z"} if kind in BARE else {})) is not None
+        assert result_of(name, system, **({"variable": "z"} if kind in BARE else {})) is not None
 
 
 @pytest.mark.parametrize("name", TIMED)
 @pytest.mark.parametrize("kind", sorted(BARE))
 def test_bare_matrices_are_asked_for_their_time(name, kind):
     with pytest.raises(InputError, match=r"time domain.*'s'.*for\s+continuous time"):
-        asked(name, KINDS[kind])
+        result_of(name, KINDS[kind])
 
 
 def parameters(name):

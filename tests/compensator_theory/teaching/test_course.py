@@ -194,8 +194,8 @@ def solutions():
         names = {}
         for cell in json.loads(path.read_text("utf-8"))["cells"]:
             code = "".join(cell["source"])
-            if cell["cell_type"] == "code" and (found := CHECK.match(code)):
-                answers[found[1]] = names[found[2]]
+            if cell["cell_type"] == "code" and (line := CHECK.match(code)):
+                answers[line[1]] = names[line[2]]
             elif cell["cell_type"] == "code":
                 exec(code, names)
     return answers

@@ -35,15 +35,15 @@ def notebook(source, metadata=GRADED, kind="code"):
     ],
 )  # fmt: skip
 def test_solutions_are_replaced_with_their_indentation(source, student):
-    given = notebook(source)
-    before = copy.deepcopy(given)
-    (cell,) = student_notebook(given)["cells"]
+    teacher = notebook(source)
+    before = copy.deepcopy(teacher)
+    (cell,) = student_notebook(teacher)["cells"]
     assert "".join(cell["source"]) == student
-    assert cell["outputs"] == [] and cell["metadata"] == GRADED and given == before
+    assert cell["outputs"] == [] and cell["metadata"] == GRADED and teacher == before
 
 
 @pytest.mark.parametrize(
-    "given",
+    "source",
     [
         None, [], {}, {"nbformat": 3, "cells": []}, {"nbformat": 4}, {"nbformat": 4, "cells": [1]},
         {"nbformat": 4, "cells": 5}, {"nbformat": 4, "cells": [{"source": 1}]},
@@ -52,9 +52,9 @@ def test_solutions_are_replaced_with_their_indentation(source, student):
         notebook("### BEGIN SOLUTION\n### BEGIN SOLUTION\n### END SOLUTION\n### END SOLUTION"),
     ],
 )  # fmt: skip
-def test_what_would_give_a_solution_away_is_refused(given):
+def test_what_would_give_a_solution_away_is_refused(source):
     with pytest.raises(InputError):
-        student_notebook(given)
+        student_notebook(source)
 
 
 def run(*arguments):

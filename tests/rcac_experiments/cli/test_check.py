@@ -328,7 +328,7 @@ def test_a_damaged_file_never_ends_in_a_foreign_error(tmp_path_factory, data):
 
 
 @pytest.fixture(scope="module")
-def wanted(tmp_path_factory):
+def logs(tmp_path_factory):
     """The log of a static gain -1.9 on 1/(q - 2), in columns of other names."""
     folder, rng = tmp_path_factory.mktemp("logs"), np.random.default_rng(1)
     y, rows = 0.3, []
@@ -342,7 +342,7 @@ def wanted(tmp_path_factory):
     return folder
 
 
-GIVEN = ("--names", "theta=gain", "--structure", "FIR", "--n-c", 1)
+OPTIONS = ("--names", "theta=gain", "--structure", "FIR", "--n-c", 1)
 
 
 @pytest.mark.parametrize(
@@ -355,34 +355,34 @@ GIVEN = ("--names", "theta=gain", "--structure", "FIR", "--n-c", 1)
         ("log", ("--structure", "IIR"), r"--structure iir needs its order n_c: give --n-c"),
         ("log", ("--structure", "irr"), r"Did you mean|is not one of 'iir'"),
         ("servo", ("--plant", "1/(q - 2)"), r"servo.csv has no theta"),
-        ("log", (*GIVEN, "--plant", "1/(s - 2)"), r"give --sample-time"),
-        ("log", (*GIVEN, "--plant", "2"), r"written in q"),
+        ("log", (*OPTIONS, "--plant", "1/(s - 2)"), r"give --sample-time"),
+        ("log", (*OPTIONS, "--plant", "2"), r"written in q"),
     ],
 )
-def test_a_stranger_is_told_what_to_type(wanted, log, options, words):
+def test_a_stranger_is_told_what_to_type(logs, log, options, words):
     """What is proposed is there, and nothing that only Python has is told."""
     import re
 
-    result = run(wanted / f"{log}.csv", *options)
+    result = run(logs / f"{log}.csv", *options)
     assert result.exit_code == 2 and re.search(words, result.output, re.S), result.output
     assert not re.search(r"\w\(\w+=|variable='|servo_plant|iir\(", result.output)
     for proposed in re.findall(r"--names \w+=(\w+)", result.output):
-        assert proposed in (wanted / f"{log}.csv").read_text().splitlines()[0].split(",")
+        assert proposed in (logs / f"{log}.csv").read_text().splitlines()[0].split(",")
 
 
-def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
-    right = run(wanted / "log.csv", *GIVEN, "--plant", "1/(q - 2)")
+def test_the_plant_is_doubted_before_anything_else_is_said(logs):
+    right = run(logs / "log.csv", *OPTIONS, "--plant", "1/(q - 2)")
     assert "The plant fits the log" in right.output and "The log is NOT" not in right.output
     for message, words in (("1/(q + 0.5)", "another"), ("-1/(q - 2)", "sign")):
-        result = run(wanted / "log.csv", *GIVEN, "--plant", message, "--problem", "standard")
+        result = run(logs / "log.csv", *OPTIONS, "--plant", message, "--problem", "standard")
         first = " ".join(result.output.partition("The closed loop")[0].split())
         assert "NOT" in first and words in first
         outcome = run(
-            wanted / "log.csv", *GIVEN, "--plant", message, "--problem", "standard", "--json"
+            logs / "log.csv", *OPTIONS, "--plant", message, "--problem", "standard", "--json"
         )
         assert strict(outcome.output)["plant_residual"]["is_doubtful"]
     # The plant of the other sign is that of a servo loop with no command.
-    other = run(wanted / "log.csv", *GIVEN, "--plant", "-1/(q - 2)")
+    other = run(logs / "log.csv", *OPTIONS, "--plant", "-1/(q - 2)")
     assert "from the log: servo" in " ".join(other.output.split())
 
 
@@ -455,13 +455,13 @@ def test_the_problem_is_honoured_for_matrices_or_refused(tmp_path):
     loop = rn.simulate(plant, controller, w)
     log = tmp_path / "log.npz"
     np.savez(log, u=loop.u, y=loop.y, r=loop.w[:, :2], theta=np.tile(theta, (300, 1)))
-    given = [run(log, "--n-c", 1, "--json", *options) for options in (
+    results = [run(log, "--n-c", 1, "--json", *options) for options in (
         ("--plant", tmp_path / "plant.npz", "--problem", "servo"),
         ("--plant", tmp_path / "plant.npz"),
         ("--plant", tmp_path / "plant.toml"),
         ("--plant", tmp_path / "plant.toml", "--problem", "servo"),
     )]  # fmt: skip
-    radii = {strict(one.output)["loop"]["spectral_radius"] for one in given}
+    radii = {strict(one.output)["loop"]["spectral_radius"] for one in results}
     assert len(radii) == 1
     for options in (
         ("--plant", tmp_path / "plant.toml", "--problem", "standard"),
@@ -492,6 +492,6 @@ def test_minus_z_as_y_costs_what_y_equal_to_z_costs(tmp_path):
 
 
 def test_a_plant_in_s_is_sampled_as_by_design(signals):
-    given = read_case("1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", "standard", 0.1)[0]
+    plant = read_case("1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", "standard", 0.1)[0]
     rows = [["1/(s + 1)", "0"], ["0.2/(s + 1)", "2/(s + 3)"]]
-    assert given == rn.plant_of(rows, sample_time=0.1)
+    assert plant == rn.plant_of(rows, sample_time=0.1)

@@ -12,7 +12,7 @@ from rcac_experiments.cli import _design as command
 from rcac_experiments.cli._main import main
 from rcac_numeric import CertifiedBounds
 
-SAID = ("--disturbance", "0.5", "--noise", "0.01", "--u-limits", "-2,2", "--seeds", "1")
+KNOWN = ("--disturbance", "0.5", "--noise", "0.01", "--u-limits", "-2,2", "--seeds", "1")
 LAG = ("1/(8*s + 1)", "--sample-time", "1", "--dead-time", "2")
 
 
@@ -22,7 +22,7 @@ def run(*arguments, answers=None):
 
 def test_a_plant_becomes_a_file(tmp_path):
     path = tmp_path / "tuned.toml"
-    result = run(*LAG, *SAID, "-o", path)
+    result = run(*LAG, *KNOWN, "-o", path)
     assert result.exit_code == 0, result.output
     assert "Use " in result.output and str(path) in result.output
     experiment = load_experiment(path)
@@ -32,7 +32,7 @@ def test_a_plant_becomes_a_file(tmp_path):
 
 @pytest.mark.costly
 def test_the_record_is_json():
-    record = json.loads(run(*LAG, *SAID, "--json").output)
+    record = json.loads(run(*LAG, *KNOWN, "--json").output)
     assert record["verdict"]["use"] in ("RCAC", "fixed")
     assert {one["controller"] for one in record["evidence"]} == {"RCAC", "fixed", "SIMC PID"}
     assert {one["name"] for one in record["verdict"]["questions"]} == {
@@ -75,13 +75,13 @@ def test_what_cannot_be_read_is_said_before_anything_is_asked(
     assert "Size of" not in result.output and "not given" not in result.stderr
 
 
-@pytest.mark.parametrize("said", ["none", "0"])
-def test_no_disturbance_can_be_said(said):
+@pytest.mark.parametrize("word", ["none", "0"])
+def test_no_disturbance_can_be_said(word):
     argument = ("--noise", "0.01", "--u-limits", "none", "--seeds", "1", "--command", "1")
-    result = run(*LAG, "--disturbance", said, *argument)
+    result = run(*LAG, "--disturbance", word, *argument)
     assert result.exit_code == 0, result.output
     assert "Assumed for disturbance" not in result.output
-    nothing = run(*LAG, "--disturbance", said, *argument[:-2])
+    nothing = run(*LAG, "--disturbance", word, *argument[:-2])
     assert nothing.exit_code == 2 and "nothing to control" in nothing.stderr
 
 
@@ -167,7 +167,7 @@ def test_a_log_that_leaves_its_plant_open_is_status_1_and_no_controller(tmp_path
 @pytest.mark.costly
 def test_a_certified_design_is_verified_and_exported(tmp_path):
     path, board = tmp_path / "kept.toml", tmp_path / "board"
-    result = run(*LAG, *SAID[:4], "--u-limits", "none", "--seeds", "1", "--kept", "certified",
+    result = run(*LAG, *KNOWN[:4], "--u-limits", "none", "--seeds", "1", "--kept", "certified",
                  "--json", "-o", path)  # fmt: skip
     assert result.exit_code == 0, result.output
     record = json.loads(result.stdout)
@@ -181,5 +181,5 @@ def test_a_certified_design_is_verified_and_exported(tmp_path):
 
 
 def test_only_the_two_ways_to_keep_theta_are_read():
-    result = run(*LAG, *SAID, "--kept", "stable")
+    result = run(*LAG, *KNOWN, "--kept", "stable")
     assert result.exit_code == 2 and "--kept" in result.stderr and "certified" in result.stderr

@@ -129,7 +129,7 @@ def test_json_is_one_object(rcac):
     assert data["match"]["worst"] < 1e-5
     for claim in data["claims"]:
         assert {"text", "measured", "verdict"} <= claim.keys()
-    assert data["characteristic_polynomial"]["asked"][3] == "-351/625"
+    assert data["characteristic_polynomial"]["requested"][3] == "-351/625"
 
 
 def test_a_users_case(rcac, case):

@@ -76,7 +76,7 @@ def test_a_run_is_replayed(store, tmp_path):
     assert (tmp_path / "run.png").stat().st_size > 1000
     loaded = json.loads(rcac("replay", store, 7, "--json").stdout)
     row = read_table(store)
-    assert loaded["is_identical"] and loaded["found"]["rms"] == row["rms"][7]
+    assert loaded["is_identical"] and loaded["repeated"]["rms"] == row["rms"][7]
     missing = rcac("replay", store, 24)
     assert missing.exit_code == 2 and "its runs are 0 to 23" in missing.stderr
 

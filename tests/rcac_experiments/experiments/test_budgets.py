@@ -30,7 +30,7 @@ def case(controller=(), **run):
 
 @pytest.mark.costly
 @pytest.mark.parametrize(
-    ("table", "what"),
+    ("table", "message"),
     [
         (case({"n_c": 20_000}, steps=50_000), "bytes"),
         (case({"n_c": 20_000, "structure": "fir"}, steps=50_000), "bytes"),
@@ -42,8 +42,8 @@ def case(controller=(), **run):
         (case(steps=200, arithmetic="reference", repetitions=10_000), "operations"),
     ],
 )
-def test_what_would_take_too_much(table, what):
-    refused = pytest.raises(InputError, match=f"{what}.*ExperimentBudget")
+def test_what_would_take_too_much(table, message):
+    refused = pytest.raises(InputError, match=f"{message}.*ExperimentBudget")
     with at_most(CALLS), at_most_bytes(BYTES), refused:
         build(table, "case")
 

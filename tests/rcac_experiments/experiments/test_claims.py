@@ -238,15 +238,15 @@ def result(holds, missing_reason=""):
     return CheckResult(check, values, missing_reason=missing_reason)
 
 
-def verdict(own, others=(), control=None, **words):
+def verdict(is_true, others=(), control=None, **words):
     claim = Claim("x", (), quote="x", place="(1)", run="main", **words)
     mapped = {f"run {i}": (result(holds),) for i, holds in enumerate(others)}
     controlled = () if control is None else (result(control),)
-    return Verdict(claim, (result(own),), mapped, controlled).verdict
+    return Verdict(claim, (result(is_true),), mapped, controlled).verdict
 
 
 @pytest.mark.parametrize(
-    ("own", "others", "control", "words", "expected"),
+    ("holds", "others", "control", "words", "expected"),
     [
         (True, (), None, {}, "reproduced"),
         (True, (True, True), None, {}, "reproduced"),
@@ -262,8 +262,8 @@ def verdict(own, others=(), control=None, **words):
         (None, (), None, {}, "undetermined"),
     ],
 )
-def test_the_verdict_of_completions(own, others, control, words, expected):
-    assert verdict(own, others, control, **words) == expected
+def test_the_verdict_of_completions(holds, others, control, words, expected):
+    assert verdict(holds, others, control, **words) == expected
 
 
 def test_an_outcome_of_record_counts_where_a_completion_did_not_run():

@@ -23,7 +23,7 @@ from rcac_experiments.explorer._page import SCRIPTS, bundled, explorer_page, in_
 from rcac_experiments.files._builder import build
 from rcac_numeric.export._header import config_header
 from rcac_numeric.export._tables import core_tables
-from tests.support.explorer_cases import OWN, needs_clang, own
+from tests.support.explorer_cases import CASE, needs_clang, own
 from tests.support.pages import Page
 
 
@@ -40,7 +40,7 @@ def test_the_dials_are_those_of_the_file():
     assert Fraction(case["gain"]) == Fraction(3, 2)  # H over the plant's 1/3
     assert (case["n_c"], case["k_w"], case["steps"], case["seed"]) == (2, 7, 90, 11)
     assert (case["R_theta"], case["lambda"]) == ("0.25", "0.999")
-    assert case["signal"] == "file" and case["signals"] == tomllib.loads(OWN)["signals"]
+    assert case["signal"] == "file" and case["signals"] == tomllib.loads(CASE)["signals"]
 
 
 def test_a_limit_of_u_is_a_dial():
@@ -123,7 +123,7 @@ def test_where_the_page_cannot_be_it_is_said_first(tmp_path, name, words):
 def test_the_command_writes_a_page_that_asks_for_nothing(tmp_path, monkeypatch):
     small = partial(explorer_page, orders=[2])
     monkeypatch.setattr("rcac_experiments.cli._explore.explorer_page", small)
-    (tmp_path / "own.toml").write_text(OWN)
+    (tmp_path / "own.toml").write_text(CASE)
     file = tmp_path / "own.html"
     arguments = [str(tmp_path / "own.toml"), "-o", str(file), "--set", "run.steps=60"]
     result = CliRunner().invoke(main, ["explore", *arguments])
@@ -144,7 +144,7 @@ def test_the_modules_of_the_package_are_those_of_the_sources():
     """Otherwise: `python -m rcac_experiments.explorer._compiling`."""
     stored = modules.stored()
     assert stored["sources"] == compiling.digest()
-    codes = [modules.module(n_c, in_ellipsoid=kept) for n_c, kept in compiling.MODULES]
+    codes = [modules.module(n_c, in_ellipsoid=bounded) for n_c, bounded in compiling.MODULES]
     assert {code[:4] for code in codes} == {b"\0asm"} and len(set(codes)) == len(codes)
     assert [len(code) for code in codes] == stored["lengths"]
 
@@ -153,8 +153,10 @@ def test_the_modules_of_the_package_are_those_of_the_sources():
 def test_the_same_compiler_gives_the_same_bytes():
     if compiling.compiler_version() != modules.stored()["compiler"]:
         pytest.skip("another clang than that of the modules")
-    for n_c, kept in [(1, False), (2, True), (modules.LARGEST_N_C, False)]:
-        assert compiling.compiled(n_c, in_ellipsoid=kept) == modules.module(n_c, in_ellipsoid=kept)
+    for n_c, bounded in [(1, False), (2, True), (modules.LARGEST_N_C, False)]:
+        assert compiling.compiled(n_c, in_ellipsoid=bounded) == modules.module(
+            n_c, in_ellipsoid=bounded
+        )
 
 
 def test_the_ellipsoids_of_the_scenes_are_proved_on_their_plants():

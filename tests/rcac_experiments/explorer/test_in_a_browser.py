@@ -19,7 +19,7 @@ from rcac_experiments.explorer._page import explorer_page
 from rcac_experiments.files._builder import build
 from rcac_numeric import ClosedLoop, stability_margins
 from rcac_numeric.arrays._validation import rounded
-from rcac_numeric.controllers._bounds import kept_radii
+from rcac_numeric.controllers._bounds import ellipsoid_radii
 from rcac_numeric.export._tables import core_tables
 from rcac_numeric.reports._rendering import write_page
 from tests.support.core_builds import Core, compiler
@@ -130,16 +130,16 @@ def same_bits(a, b):
     return np.asarray(a, dtype=np.float64).tobytes() == np.asarray(b, np.float64).tobytes()
 
 
-def as_simulated(found):
+def as_simulated(state):
     """Its settings, read and run by Python: every signal and theta have the bits of the page."""
-    specification = build(tomllib.loads(found["toml"]), "page.toml").main_run
+    specification = build(tomllib.loads(state["toml"]), "page.toml").main_run
     run = specification.execute().first.run
-    assert (run.steps, run.outcome != "completed") == (found["done"], found["lost"])
+    assert (run.steps, run.outcome != "completed") == (state["done"], state["lost"])
     steps = run.steps
     for name in ("z", "u", "y"):
-        assert same_bits(found[name][:steps], getattr(run, name)[:steps, 0])
-    assert same_bits(found["theta"][:steps], run.theta[:steps])
-    assert same_bits(found["theta"][-1], run.theta_final)
+        assert same_bits(state[name][:steps], getattr(run, name)[:steps, 0])
+    assert same_bits(state["theta"][:steps], run.theta[:steps])
+    assert same_bits(state["theta"][-1], run.theta_final)
     return specification
 
 
@@ -178,21 +178,21 @@ def test_a_run_kept_in_the_set_is_that_of_simulate_and_of_the_core_bit_for_bit(
     assert free["projected"] is None and radius[0] == 0 and radius.max() > 1
     assert f"leaves it at step {np.argmax(radius > 1)}." in free["ofSet"]
     page.check("#kept")
-    kept = settle(page)
-    run = as_simulated(kept).execute().first.run
+    state = settle(page)
+    run = as_simulated(state).execute().first.run
     assert run.outcome == "completed" and run.bounded > 0
-    assert sum(kept["projected"]) in (run.bounded, run.bounded - 1)  # perhaps in the last update
-    shares = np.array(kept["shares"])
-    assert shares.max() <= 1 and run.settings.bounds.contains(kept["theta"])
-    error = 1 - kept_radii(run.settings.bounds)[0]
+    assert sum(state["projected"]) in (run.bounded, run.bounded - 1)  # perhaps in the last update
+    shares = np.array(state["shares"])
+    assert shares.max() <= 1 and run.settings.bounds.contains(state["theta"])
+    error = 1 - ellipsoid_radii(run.settings.bounds)[0]
     np.testing.assert_allclose(shares[: run.steps], run.radius, rtol=0, atol=error)
-    assert f"first at step {kept['projected'].index(1)}." in kept["ofSet"]
+    assert f"first at step {state['projected'].index(1)}." in state["ofSet"]
     if compiler() is None:
         return
     core = Core(core_tables(run.settings))
-    for k in range(kept["done"]):
-        assert same_bits(core.radius, shares[k]) and same_bits(core.theta, kept["theta"][k])
-        core.step([kept["y"][k]], [kept["z"][k]])
+    for k in range(state["done"]):
+        assert same_bits(core.radius, shares[k]) and same_bits(core.theta, state["theta"][k])
+        core.step([state["y"][k]], [state["z"][k]])
 
 
 @pytest.mark.costly

@@ -18,7 +18,7 @@ CASE = {
 }
 
 
-def said_of(**tables):
+def messages_of(**tables):
     """What is said of CASE with the entries of some tables added."""
     table = copy.deepcopy(CASE)
     for name, entries in tables.items():
@@ -36,7 +36,7 @@ def lines_of(text):
 
 def test_errors_of_every_table_are_said_in_one_go():
     lines = lines_of(
-        said_of(
+        messages_of(
             plant={"sample_tiem": 0.1},
             signals={"d": {"pulse": 1, "length": 0}},
             target={"poles": []},
@@ -67,7 +67,7 @@ def test_each_run_is_named_and_what_runs_share_is_said_once():
         {"name": "a", "run": {"sed": 1}},
         {"name": "b", "controller": {"structure": "pid", "n_c": 4}, "signals": {"r": {"stpe": 1}}},
     ]
-    lines = lines_of(said_of(runs=runs, target={"poles": []}))
+    lines = lines_of(messages_of(runs=runs, target={"poles": []}))
     assert [line.partition(".")[0] for line in lines[:2]] == [
         "unknown key 'sed' in [runs",
         "[runs",
@@ -80,20 +80,20 @@ def test_each_run_is_named_and_what_runs_share_is_said_once():
 
 
 def test_a_run_without_a_name_has_its_number():
-    text = said_of(runs=[{"name": "a"}, {"run": {"seed": 0.5}}])
+    text = messages_of(runs=[{"name": "a"}, {"run": {"seed": 0.5}}])
     assert "[runs.run] no. 2 seed must be an integer" in text
     assert "[runs] no. 2 needs the key 'name'" in text
 
 
 def test_runs_that_cannot_be_made_are_said_together():
     runs = [{"name": "a", "controller": {"k_w": 1}}, {"name": "b", "run": {"x_0": [1, 2, 3]}}]
-    first, second = lines_of(said_of(runs=runs))
+    first, second = lines_of(messages_of(runs=runs))
     assert first.startswith("run 'a': k_w = 1 is shorter than")
     assert second.startswith("run 'b': x_0 has 3 entries")
 
 
 def test_a_misspelt_key_is_no_missing_one_too():
-    text = said_of(controller={"R_teta": 1, "R_theta": 1})
+    text = messages_of(controller={"R_teta": 1, "R_theta": 1})
     assert "unknown key 'R_teta'" in text and "errors." not in text
     table = copy.deepcopy(CASE)
     table["run"] = {"stesp": 100}
@@ -105,7 +105,7 @@ def test_a_misspelt_key_is_no_missing_one_too():
 
 def test_many_errors_have_a_length_that_a_reader_can_bear():
     runs = [{"name": f"r{i}", "run": {f"seed_{i}": 1}} for i in range(200)]
-    text = said_of(runs=runs)
+    text = messages_of(runs=runs)
     assert text.startswith("case.toml: 200 errors.") and len(text) < 1500
     assert text.splitlines()[-1].startswith("... and ") and text.endswith(" more.")
 

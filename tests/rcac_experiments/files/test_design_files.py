@@ -15,14 +15,14 @@ from rcac_numeric.arrays._values import equal, replaced
 from rcac_numeric.designing._trials import RCAC
 
 QUICK = {"seeds": 1, "steps": 300}
-OWN = rn.Structure(
+STRUCTURE = rn.Structure(
     [rn.Tap("y", 0, 1), rn.Tap("y", 0, 3), rn.Tap("derived", 0, 1)], 1, 1,
     derived=[rn.DerivedSignal((1.0,), (0.0,), 0.9)],
 )  # fmt: skip
 
 
-def load_of(found):
-    return build(parsed(design_toml(found)), "design.toml")
+def load_of(designed):
+    return build(parsed(design_toml(designed)), "design.toml")
 
 
 @pytest.mark.costly
@@ -57,9 +57,9 @@ def test_the_file_of_a_design_that_is_kept_in_an_ellipsoid_says_so():
     designed = rn.design("1/(8*s + 1)", sample_time=0.5, **QUICK)
     theta_0 = designed.settings.theta_0
     factor = 0.1 * np.eye(len(theta_0)) + 0.01 * np.tri(len(theta_0))
-    kept = replaced(designed.settings, bounds=rn.CertifiedBounds(theta_0, factor))
-    experiment = load_of(replaced(designed, settings=kept))
-    assert equal(experiment.runs[RCAC].settings, kept)
+    bounded = replaced(designed.settings, bounds=rn.CertifiedBounds(theta_0, factor))
+    experiment = load_of(replaced(designed, settings=bounded))
+    assert equal(experiment.runs[RCAC].settings, bounded)
 
 
 def test_a_file_is_read_for_a_design(tmp_path):
@@ -99,19 +99,19 @@ def test_the_file_of_a_design_from_a_log_has_both_controllers(tmp_path):
 
 @pytest.mark.costly
 @pytest.mark.parametrize(
-    "asked",
+    "options",
     [
         {"structure": rn.pid("DI")},
         {"structure": rn.fir(6)},
         {"structure": rn.fir_integrator(5)},
-        {"structure": OWN},
+        {"structure": STRUCTURE},
         {"command": rn.Step(1.0), "feedforward": True},
     ],
     ids=["DI", "FIR", "FIR and integrator", "taps", "feedforward"],
 )
-def test_the_file_of_a_design_of_a_structure_says_the_same(asked):
+def test_the_file_of_a_design_of_a_structure_says_the_same(options):
     G = "1/((20*s + 1)*(3*s + 1))"
-    designed = rn.design(G, sample_time=1.0, disturbance=0.5, noise=0.01, **QUICK, **asked)
+    designed = rn.design(G, sample_time=1.0, disturbance=0.5, noise=0.01, **QUICK, **options)
     read = load_of(designed)
     assert equal(read.runs[RCAC].settings, designed.settings)
     assert equal(read.runs["fixed"].settings, designed.frozen)

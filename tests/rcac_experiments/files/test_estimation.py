@@ -100,26 +100,26 @@ def test_no_verdict_is_typed_in():
 
 
 @pytest.fixture(scope="module")
-def found():
+def verification():
     return verify(load_example("8.3"))
 
 
 @pytest.mark.parametrize("kind", ["estimates", "responses", "distribution"])
-def test_figures(found, kind):
+def test_figures(verification, kind):
     measure = "mean_error" if kind == "distribution" else ""
-    (axis,) = found.plot(FigureRequest(kind, "Seen.", measure=measure)).axes
-    runs = len(found.estimates)
+    (axis,) = verification.plot(FigureRequest(kind, "Seen.", measure=measure)).axes
+    runs = len(verification.estimates)
     expected = {"estimates": runs + 1, "responses": runs, "distribution": 2 * runs}
     assert len(axis.lines) == expected[kind]
 
 
-def test_what_it_is_not(found):
+def test_what_it_is_not(verification):
     with pytest.raises(InputError, match="no figure of the kind 'poles'"):
-        found.plot(FigureRequest("poles", "None."))
+        verification.plot(FigureRequest("poles", "None."))
     with pytest.raises(InputError, match=r"8\.3 estimates: no controller ran"):
-        found.main  # noqa: B018
+        verification.main  # noqa: B018
     with pytest.raises(InputError, match=r"'8\.3' estimates: no controller"):
-        found.experiment.main_run  # noqa: B018
+        verification.experiment.main_run  # noqa: B018
     with pytest.raises(InputError, match="no run estimates anything"):
         verify(load_example("2.2")).plot(FigureRequest("estimates", "None."))
 

@@ -17,7 +17,7 @@ from rcac_numeric.gallery import (
 )
 
 boost, pendulum = BoostConverter(supply=10), CartPendulum(length=0.5)
-MADE = {
+TABLES = {
     "aircraft": ({"condition": "off-nominal", "measured": "state"},
                  aircraft_plant("off-nominal", "state")),
     "aircraft transition": ({"start": 3, "duration": 1}, aircraft_transition(3, 1)),
@@ -38,7 +38,7 @@ def plant(**table):
 
 @pytest.mark.parametrize("name", sorted(set(PROBLEMS.kinds) - {"standard", "servo"}))
 def test_a_named_plant_is_that_of_the_gallery(name):
-    table, expected = MADE[name]
+    table, expected = TABLES[name]
     assert plant(problem=name, **table) == expected
 
 

@@ -156,7 +156,7 @@ def test_a_long_horizon_counts_for_the_budget():
 def test_export_and_explorer_refuse_it_by_name():
     with pytest.raises(InputError, match="a PredictiveCost cannot be exported"):
         core_tables(build(table(), "case").main_run.settings)
-    with pytest.raises(InputError, match="no dial for a PredictiveCost"):
+    with pytest.raises(InputError, match="no control for a PredictiveCost"):
         case_of(table(), "case")
 
 

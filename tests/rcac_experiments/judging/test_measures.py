@@ -40,8 +40,8 @@ STABLE, BOTH, LOOP = (0.0, 0.0), (2.0, 0.0), (0.0, 1.0)
 def test_the_share_of_the_radius_of_an_ellipsoid():
     plant, w = rn.standard_plant("1/(q - 0.5)"), np.ones((20, 1))
     argument = {"structure": rn.iir(1), "target": rn.TargetModel([0, 1.0]), "update": rn.UD(1.0)}
-    kept = rn.ControllerSettings(**argument, bounds=rn.CertifiedBounds([0, 0], 0.01 * np.eye(2)))
-    run = rn.simulate(plant, kept, w)
+    bounded = rn.ControllerSettings(**argument, bounds=rn.CertifiedBounds([0, 0], 0.01 * np.eye(2)))
+    run = rn.simulate(plant, bounded, w)
     expected = np.linalg.norm(run.theta, axis=1).max() / 0.01
     value = MEASURES["radius_of_bounds"](rn.LoopAnalysis(run))
     assert value == pytest.approx(expected, rel=1e-12) and 0.99 < value <= 1

@@ -72,8 +72,8 @@ def test_every_claim_stands_in_the_table_with_its_verdict(gallery, cases):
 
 def test_the_headline_counts_sentences_and_none_of_ours(cases):
     row = ClaimRow("the text", "a", "(1)", "", "x", "", DEPENDS, "depends on w", (), "", "", "")
-    same, ours = replace(row, verdict=REPRODUCED), replace(row, whose="ours", quote="")
-    other = replace(row, whose="a reading", verdict=NOT_REPRODUCED)
+    same, ours = replace(row, verdict=REPRODUCED), replace(row, owner="ours", quote="")
+    other = replace(row, owner="a reading", verdict=NOT_REPRODUCED)
     case = replace(cases[0], claims=(row, same, ours, other))
     count = headline([case])
     assert count == {"the text": {DEPENDS: 1}, "a reading": {NOT_REPRODUCED: 1}}

@@ -27,7 +27,7 @@ def test_a_verification_begins_with_the_health_of_the_loop(example):
 def test_the_record_holds_what_scripts_read(example):
     record = as_dict(verification_sheet(example))
     assert record.keys() >= {
-        "id", "title", "claims", "runs", "match", "residual", "poles", "asked_poles", "zeros",
+        "id", "title", "claims", "runs", "match", "residual", "poles", "requested_poles", "zeros",
         "characteristic_polynomial", "worst_pole_distance", "controller_distance",
     }  # fmt: skip
     assert record["runs"][0].keys() >= {
@@ -36,7 +36,7 @@ def test_the_record_holds_what_scripts_read(example):
     }  # fmt: skip
     comparison = example.main.first.comparison
     assert [complex(*p) for p in record["poles"]] == list(comparison.poles)
-    assert record["characteristic_polynomial"]["asked"] == [
+    assert record["characteristic_polynomial"]["requested"] == [
         str(c) for c in comparison.requested.all_coeffs()
     ]
 

@@ -60,7 +60,7 @@ def _apart(values):
     return [v for i, v in enumerate(values) if not any(v == other for other in values[:i])]
 
 
-def told(make):
+def result_of(make):
     """What is made, or what is said of it."""
     try:
         return fingerprint(make())
@@ -98,8 +98,8 @@ def test_it_does_not_depend_on_those_before(walk):
     study, coordinates = walk
     together = Cells(study)
     for place in coordinates:
-        alone = told(lambda here=place: specification(Cells(study), here))
-        assert told(lambda here=place: specification(together, here)) == alone, place
+        alone = result_of(lambda position=place: specification(Cells(study), position))
+        assert result_of(lambda position=place: specification(together, position)) == alone, place
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ STUDY = studies.study(
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def stores(tmp_path_factory):
     """A folder, and the old store with the same in it."""
     folder = tmp_path_factory.mktemp("made")
     studies.stored(STUDY, folder / "study", 8)
@@ -44,14 +44,14 @@ def same_rows(new, before):
     return len(expected) - len(result)
 
 
-def test_an_old_store_becomes_the_folder_that_the_study_makes(made, tmp_path):
+def test_an_old_store_becomes_the_folder_that_the_study_makes(stores, tmp_path):
     """File by file; its runs keep their numbers, so a replay finds them."""
-    before = made[1].read_bytes()
-    converted = convert_store(made[1], tmp_path / "new")
+    before = stores[1].read_bytes()
+    converted = convert_store(stores[1], tmp_path / "new")
     assert converted.is_whole and converted.done == converted.total == STUDY.runs
-    assert studies.contents(tmp_path / "new") == studies.contents(made[0])
-    assert read_table(tmp_path / "new") == read_table(made[0])
-    assert replay_run(tmp_path / "new", 17).is_identical and made[1].read_bytes() == before
+    assert studies.contents(tmp_path / "new") == studies.contents(stores[0])
+    assert read_table(tmp_path / "new") == read_table(stores[0])
+    assert replay_run(tmp_path / "new", 17).is_identical and stores[1].read_bytes() == before
 
 
 def test_failures_and_growth_and_what_has_not_run_are_kept(tmp_path, monkeypatch):
@@ -70,10 +70,10 @@ def test_failures_and_growth_and_what_has_not_run_are_kept(tmp_path, monkeypatch
 
 @pytest.mark.parametrize("end", ["-journal", "-wal", "-shm"])
 @pytest.mark.parametrize("kind", ["empty", "text", "link", "dangling", "pipe", "folder"])
-def test_what_lies_beside_an_old_store_is_refused(made, tmp_path, end, kind):
+def test_what_lies_beside_an_old_store_is_refused(stores, tmp_path, end, kind):
     """SQLite would read, write or remove it, or what it leads to."""
     path, victim = tmp_path / "old.sqlite", tmp_path / "notes.txt"
-    shutil.copy(made[1], path)
+    shutil.copy(stores[1], path)
     victim.write_text("mine")
     beside = tmp_path / f"old.sqlite{end}"
     {
@@ -105,11 +105,11 @@ def test_what_is_no_old_store_is_refused(tmp_path, kind):
     assert not (tmp_path / "new").exists()
 
 
-def test_a_folder_with_a_study_is_left_alone(made):
-    before = studies.contents(made[0])
+def test_a_folder_with_a_study_is_left_alone(stores):
+    before = studies.contents(stores[0])
     with pytest.raises(StoreError, match="contains a study"):
-        convert_store(made[1], made[0])
-    assert studies.contents(made[0]) == before
+        convert_store(stores[1], stores[0])
+    assert studies.contents(stores[0]) == before
 
 
 def page_size(data):
@@ -135,9 +135,9 @@ def swapped(data, rng, page):
 
 
 @pytest.mark.parametrize("damage", [flipped, truncated, swapped])
-def test_bytes_that_change_are_left_out_and_named(made, tmp_path, damage, in_full):
+def test_bytes_that_change_are_left_out_and_named(stores, tmp_path, damage, in_full):
     """Page after page: what is made of it is what was stored."""
-    data, rng = made[1].read_bytes(), random.Random(damage.__name__)
+    data, rng = stores[1].read_bytes(), random.Random(damage.__name__)
     path, new = tmp_path / "old.sqlite", tmp_path / "new"
     refused = 0
     for i in range(2000 if in_full else 25):
@@ -148,7 +148,7 @@ def test_bytes_that_change_are_left_out_and_named(made, tmp_path, damage, in_ful
         except StoreError:
             refused += 1
             continue
-        assert same_rows(new, made[0]) == len(converted.damaged) == len(converted.faults)
+        assert same_rows(new, stores[0]) == len(converted.damaged) == len(converted.faults)
         refused += not converted.is_whole
     assert refused
 
@@ -176,18 +176,18 @@ SQL = (
 
 
 @pytest.mark.parametrize("sql", SQL)
-def test_rows_that_are_edited_are_left_out_and_named(made, tmp_path, sql):
+def test_rows_that_are_edited_are_left_out_and_named(stores, tmp_path, sql):
     """By who has no digest: SQLite finds nothing wrong."""
     path, new = tmp_path / "old.sqlite", tmp_path / "new"
-    shutil.copy(made[1], path)
+    shutil.copy(stores[1], path)
     with closing(sqlite3.connect(path)) as connection, connection:
         connection.execute(sql)
         assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
     with suppress(StoreError):
         converted = convert_store(path, new)
-        assert converted.damaged and same_rows(new, made[0]) == len(converted.damaged)
+        assert converted.damaged and same_rows(new, stores[0]) == len(converted.damaged)
         run_study(STUDY, new, workers=0)
-        assert studies.contents(new) == studies.contents(made[0])
+        assert studies.contents(new) == studies.contents(stores[0])
 
 
 ODD = [None, "", "x", "\0", "1.5", -1, 0, 1, 3, 2**62, 1e400, -0.0, 5e-324, [], {}, True, [[]],
@@ -210,14 +210,14 @@ def edited(value, rng):
     return rng.choice(ODD)
 
 
-def test_right_digests_make_no_wrong_plan_and_no_crash(made, tmp_path, in_full, monkeypatch):
+def test_right_digests_make_no_wrong_plan_and_no_crash(stores, tmp_path, in_full, monkeypatch):
     """A study edited by somebody who computes every digest anew: a whole folder, or none."""
     monkeypatch.setattr(folders, "read_guarded", reader.read_in_process)
     rng = random.Random(4)
     path, new = tmp_path / "old.sqlite", tmp_path / "new"
     for _ in range(1500 if in_full else 40):
         shutil.rmtree(new, ignore_errors=True)
-        shutil.copy(made[1], path)
+        shutil.copy(stores[1], path)
         with closing(sqlite3.connect(path)) as connection, connection:
             row = list(connection.execute("SELECT * FROM study").fetchone()[:-1])
             i = rng.choice([0, 0, 0, 0, *range(len(row))])

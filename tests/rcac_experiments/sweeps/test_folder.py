@@ -85,28 +85,28 @@ def test_an_axis_that_grows_into_other_numbers_stays_one_column(tmp_path, small_
     assert read_table(store)["R_theta"].tolist() == [1, 1, 2, 2, 2.5, 2.5]
 
 
-@pytest.mark.parametrize("what", ["a number", "a row", "a file", "the study", "no study"])
-def test_what_is_damaged_is_named_and_computed_again(stored, tmp_path, what):
+@pytest.mark.parametrize("damage", ["a number", "a row", "a file", "the study", "no study"])
+def test_what_is_damaged_is_named_and_computed_again(stored, tmp_path, damage):
     path, before = copied(stored, tmp_path), read_table(stored)
     chunk = path / "chunks" / "00000003.parquet"
-    if what == "a file":
+    if damage == "a file":
         chunk.unlink()
         assert check_store(path).is_whole and len(read_table(path)) == 112
-    elif what == "the study":
+    elif damage == "the study":
         text = (path / "study.json").read_text()
         (path / "study.json").write_text(text.replace('"seed": 3', '"seed": 4'))
         for use in (check_store, read_table, lambda p: run_study(studies.study(), p, workers=0)):
             with pytest.raises(StoreError, match=r"study.json is invalid \(it is not what"):
                 use(path)
         return
-    elif what == "no study":
+    elif damage == "no study":
         (path / "study.json").unlink()
         with pytest.raises(StoreError, match=r"it has no study\.json, and contains other files"):
             run_study(studies.study(), path, workers=0)
         return
     else:
         data = bytearray(chunk.read_bytes())
-        data[data.index(b"completed") if what == "a row" else 40] ^= 1
+        data[data.index(b"completed") if damage == "a row" else 40] ^= 1
         chunk.write_bytes(data)
         report = check_store(path)
         assert report.damaged == ((16, 23),) and "runs 16 to 23 (00000003.parquet)" in str(report)
@@ -265,8 +265,8 @@ def test_a_chunk_reads_back_bit_for_bit(rows):
     assert result["run"].tolist() == run and result["why"] == why and result["is"].tolist() == truth
     expected = np.array([np.nan if value is None else value for value in x])
     assert result["x"].tobytes() == expected.tobytes()
-    kept = pytest.importorskip("pyarrow.parquet").read_table(io.BytesIO(data)).to_pydict()
-    assert repr(kept["z.values"]) == repr(z) and kept["z.shape"] == shapes  # repr: nan is nan
+    table = pytest.importorskip("pyarrow.parquet").read_table(io.BytesIO(data)).to_pydict()
+    assert repr(table["z.values"]) == repr(z) and table["z.shape"] == shapes  # repr: nan is nan
     for layout, number in ((LAYOUT, 4), (Layout("t", LAYOUT.columns), 3)):
         with pytest.raises(Damaged, match="another study or chunk"):
             decode(layout, number, len(rows), data)

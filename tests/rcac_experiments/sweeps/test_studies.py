@@ -127,9 +127,9 @@ def test_noise_belongs_to_coordinates_and_repetition():
 def test_noise_is_that_of_a_seed_sequence_with_a_spawn_key(seed, words, repetition, channel):
     """As docs say it, however the words are handed over."""
     sequence = np.random.SeedSequence(seed, spawn_key=(*words, repetition, channel))
-    wanted = np.random.Generator(np.random.PCG64(sequence))
+    expected = np.random.Generator(np.random.PCG64(sequence))
     drawn = generator(seed, words, repetition, channel).standard_normal(3)
-    assert drawn.tolist() == wanted.standard_normal(3).tolist()
+    assert drawn.tolist() == expected.standard_normal(3).tolist()
 
 
 @given(st.integers(1, 3), st.integers(1, 300), st.integers(0, 2**32 - 1))

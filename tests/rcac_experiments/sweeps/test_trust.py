@@ -44,8 +44,8 @@ def decoded(store, number):
     return decode(layout, number, last - first + 1, data)
 
 
-@pytest.mark.parametrize("what", ["keep", "base"])
-def test_a_store_that_names_a_function_imports_nothing(tmp_path, evil, what):
+@pytest.mark.parametrize("table", ["keep", "base"])
+def test_a_store_that_names_a_function_imports_nothing(tmp_path, evil, table):
     """Also where the hash of its source is right."""
     name, mark = evil
     path = tmp_path / "store"
@@ -56,7 +56,7 @@ def test_a_store_that_names_a_function_imports_nothing(tmp_path, evil, what):
         named = {"function": function, "source": hashed}
         arguments = {"editor": f"sh -c 'touch {mark}'", "filename": "x"}
         keep = [{"name": "rms", "measure": named, "arguments": arguments}]
-        altered(path, **({"keep": keep} if what == "keep" else {"base": named}))
+        altered(path, **({"keep": keep} if table == "keep" else {"base": named}))
         modules = set(sys.modules)
         with pytest.raises(StoreError, match=r"the function .*edit, and a store runs no code"):
             replay_run(path, 0)

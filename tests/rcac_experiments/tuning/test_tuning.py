@@ -24,13 +24,13 @@ PLANT = "1/(q - 0.9)"
 
 
 @pytest.fixture(scope="module")
-def found():
+def rule_design():
     return design(PLANT, disturbance=1.0, noise=0.05, seeds=1, steps=300)
 
 
 @pytest.fixture(scope="module")
-def tuned(found):
-    return tune(found, 8, held_out=2, seeds=3)
+def tuned(rule_design):
+    return tune(rule_design, 8, held_out=2, seeds=3)
 
 
 @pytest.mark.costly
@@ -44,36 +44,40 @@ def test_the_best_goes_on_and_rule_and_fixed_are_always_there(tuned):
     better = [one for one in last if one.order < tuned.chosen.order]
     assert not better or tuned.chosen.name == RULE
     assert by_name[FIXED].beside.ratio == 1 and by_name[FIXED].beside.stable[1] == 24 * 7
-    assert by_name[RULE].knobs == TuningParameters()
+    assert by_name[RULE].parameters == TuningParameters()
 
 
-def test_a_candidate_is_what_its_knobs_make_on_the_draws_of_learning(found, tuned):
+def test_a_candidate_is_what_its_parameters_make_on_the_draws_of_learning(rule_design, tuned):
     one = next(c for c in tuned.candidates if c.rounds == 1)
-    settings = settings_of(found.model, found.reference, found.expected, one.knobs)
-    plants = [t.variation for t in found.evidence if t.controller == RCAC]
-    trials = Trials({"it": settings, FIXED: found.fixed}, found.model, found.expected,
-                    tuple(plants), 300, 3, LEARNING)  # fmt: skip
+    settings = settings_of(
+        rule_design.model, rule_design.reference, rule_design.expected, one.parameters
+    )
+    plants = [t.variation for t in rule_design.evidence if t.controller == RCAC]
+    trials = Trials({"it": settings, FIXED: rule_design.fixed}, rule_design.model,
+                    rule_design.expected, tuple(plants), 300, 3, LEARNING)  # fmt: skip
     assert compared(trials.in_threads(), "it") == one.beside
 
 
-def test_the_judgement_is_on_other_plants_and_draws(found, tuned):
-    trained = {t.variation for t in found.evidence}
+def test_the_judgement_is_on_other_plants_and_draws(rule_design, tuned):
+    trained = {t.variation for t in rule_design.evidence}
     judged = {t.variation for t in tuned.design.evidence}
     assert {one.name for one in judged & trained} == {"nominal"} and len(judged) == 3
     assert tuned.verdict.rcac == compared(tuned.design.evidence, RCAC)
-    made = settings_of(found.model, found.reference, found.expected, tuned.chosen.knobs)
-    assert equal(tuned.settings, made)
-    rule = {RCAC: tuned.settings, RULE: found.settings}
+    candidate = settings_of(
+        rule_design.model, rule_design.reference, rule_design.expected, tuned.chosen.parameters
+    )
+    assert equal(tuned.settings, candidate)
+    rule = {RCAC: tuned.settings, RULE: rule_design.settings}
     plants = [t.variation for t in tuned.design.evidence if t.controller == RCAC]
-    trials = Trials(rule, found.model, found.expected, tuple(plants), 300, 3)
+    trials = Trials(rule, rule_design.model, rule_design.expected, tuple(plants), 300, 3)
     assert compared(trials.in_threads(), RCAC, RULE) == tuned.beside_rule
 
 
 @pytest.mark.costly
-def test_the_seed_repeats_it(found):
-    one, again, other = (tune(found, 1, held_out=1, seeds=1, seed=seed) for seed in (0, 0, 1))
+def test_the_seed_repeats_it(rule_design):
+    one, again, other = (tune(rule_design, 1, held_out=1, seeds=1, seed=seed) for seed in (0, 0, 1))
     assert again.candidates == one.candidates and equal(again.settings, one.settings)
-    assert {c.knobs for c in other.candidates} & {c.knobs for c in one.candidates} == {
+    assert {c.parameters for c in other.candidates} & {c.parameters for c in one.candidates} == {
         None, TuningParameters()
     }  # fmt: skip
 
@@ -112,9 +116,9 @@ def test_drawn_plants_are_inside_the_uncertainty(gain, late, more, time, noise, 
         ({"steps": 5}, "steps"),
     ],
 )
-def test_bad_arguments_are_named(found, arguments, words):
+def test_bad_arguments_are_named(rule_design, arguments, words):
     with pytest.raises(InputError, match=words):
-        tune(**({"design": found} | arguments))
+        tune(**({"design": rule_design} | arguments))
 
 
 class Stopped(Exception):
@@ -134,31 +138,31 @@ def stops_after(runs):
 
 
 @pytest.mark.slow
-def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_path):
+def test_killed_in_the_middle_it_goes_on_to_the_same_table(rule_design, tuned, tmp_path):
     arguments = {"budget": 8, "held_out": 2, "seeds": 3, "store": tmp_path / "runs", "workers": 0}
-    kept = []
+    rows = []
     for runs in (2, 4):
         with pytest.raises(Stopped):
-            tune(found, **arguments, progress=stops_after(runs))
-        kept.append([len(read_table(one)) for one in sorted((tmp_path / "runs").iterdir())])
-    assert 0 < sum(kept[0]) < sum(kept[1])
-    seen = []
-    resumed = tune(found, **arguments, progress=seen.append)
+            tune(rule_design, **arguments, progress=stops_after(runs))
+        rows.append([len(read_table(one)) for one in sorted((tmp_path / "runs").iterdir())])
+    assert 0 < sum(rows[0]) < sum(rows[1])
+    calls = []
+    resumed = tune(rule_design, **arguments, progress=calls.append)
     assert resumed.candidates == tuned.candidates and resumed.chosen == tuned.chosen
     assert resumed.beside_rule == tuned.beside_rule
     assert equal(resumed.design.evidence, tuned.design.evidence)
-    assert seen[0].done >= kept[1][0] and seen[-1].done == seen[-1].total
+    assert calls[0].done >= rows[1][0] and calls[-1].done == calls[-1].total
     again = []
-    tune(found, **arguments, progress=again.append)
+    tune(rule_design, **arguments, progress=again.append)
     assert all(now.done == now.total for now in again)  # nothing is run twice
 
 
 @pytest.mark.costly
-def test_processes_leave_the_same_runs(found, tmp_path):
+def test_processes_leave_the_same_runs(rule_design, tmp_path):
     arguments = {"budget": 1, "held_out": 1, "seeds": 1}
     with ThreadPoolExecutor(1) as pool:  # of others, as dask's is
         one, *others = (
-            tune(found, **arguments, **more)
+            tune(rule_design, **arguments, **more)
             for more in (
                 {},
                 {"store": tmp_path / "runs", "workers": 1},
@@ -171,31 +175,31 @@ def test_processes_leave_the_same_runs(found, tmp_path):
 
 
 @pytest.mark.costly
-def test_a_store_of_another_design_is_refused(found, tmp_path):
+def test_a_store_of_another_design_is_refused(rule_design, tmp_path):
     arguments = {"budget": 1, "held_out": 1, "seeds": 1, "store": tmp_path / "runs", "workers": 0}
-    tune(found, **arguments)
+    tune(rule_design, **arguments)
     with pytest.raises(StoreError, match="another study"):
-        tune(replaced(found, uncertainty=Uncertainty(noise=2.0)), **arguments)
+        tune(replaced(rule_design, uncertainty=Uncertainty(noise=2.0)), **arguments)
     with pytest.raises(InputError, match="is a file"):
         (tmp_path / "file").write_text("")
-        tune(found, **{**arguments, "store": tmp_path / "file"})
+        tune(rule_design, **{**arguments, "store": tmp_path / "file"})
     with pytest.raises(InputError, match="needs a store"):
-        tune(found, 1, workers=2)
+        tune(rule_design, 1, workers=2)
     with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="exclude each other"):
-        tune(found, **arguments, executor=pool)
+        tune(rule_design, **arguments, executor=pool)
 
 
 @pytest.mark.parametrize(
     "run", [(np.inf, np.inf, np.inf, np.nan), (1.1, 1.0, 1.5, np.nan)]
 )  # lost, or worse
-def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(found, tuned, run):
-    knobs = {RULE: TuningParameters(), "1": TuningParameters(samples=10.0)}
-    made = {FIXED: found.fixed} | {
-        name: settings_of(found.model, found.reference, found.expected, one)
-        for name, one in knobs.items()
+def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(rule_design, tuned, run):
+    parameters = {RULE: TuningParameters(), "1": TuningParameters(samples=10.0)}
+    settings_by_name = {FIXED: rule_design.fixed} | {
+        name: settings_of(rule_design.model, rule_design.reference, rule_design.expected, one)
+        for name, one in parameters.items()
     }
     beside = tuned.chosen.beside
-    candidates = tuple(Candidate(name, one, beside, 1.5, 4) for name, one in knobs.items())
+    candidates = tuple(Candidate(name, one, beside, 1.5, 4) for name, one in parameters.items())
 
     def runner(name, trials):  # one run of the point is this one, all others are alike
         runs = [
@@ -205,17 +209,21 @@ def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(found, t
         ]  # fmt: skip
         return trials.of(runs)
 
-    kept = _judged(found, made, candidates[1], candidates, 300, (2, 1, 0), runner)
-    assert kept.chosen.name == RULE and equal(kept.settings, made[RULE])
-    assert kept.verdict.rcac.stable == (3, 3) and kept.beside_rule.losses == 0
+    choice = _judged(
+        rule_design, settings_by_name, candidates[1], candidates, 300, (2, 1, 0), runner
+    )
+    assert choice.chosen.name == RULE and equal(choice.settings, settings_by_name[RULE])
+    assert choice.verdict.rcac.stable == (3, 3) and choice.beside_rule.losses == 0
 
 
 @pytest.mark.costly
 def test_tuning_leaves_the_order_of_a_structure():
     lags = "1/((20*s + 1)*(3*s + 1))"
-    found = design(lags, sample_time=1.0, disturbance=0.5, structure=pid("PI"), seeds=1, steps=300)
-    tuned = tune(found, budget=4, held_out=1, seeds=1, steps=200)
-    assert all(one.knobs is None or one.knobs.spare == 0 for one in tuned.candidates)
+    designed = design(
+        lags, sample_time=1.0, disturbance=0.5, structure=pid("PI"), seeds=1, steps=300
+    )
+    tuned = tune(designed, budget=4, held_out=1, seeds=1, steps=200)
+    assert all(one.parameters is None or one.parameters.spare == 0 for one in tuned.candidates)
     assert tuned.settings.structure == pid("PI")
 
 
@@ -226,14 +234,14 @@ def test_in_a_certified_set_weaker_priors_are_tried_and_the_set_stays():
         steps=400,
     )  # fmt: skip
     tuned = tune(start, 8, held_out=2, seeds=1)
-    knobs = [one.knobs for one in tuned.candidates if one.name not in (RULE, FIXED)]
+    points = [one.parameters for one in tuned.candidates if one.name not in (RULE, FIXED)]
     least = TuningParameters().worth(start.expected) / 1000
-    assert least <= min(one.samples for one in knobs) < 10
-    assert all(one.spare == 0 and one.width == TuningParameters().width for one in knobs)
+    assert least <= min(one.samples for one in points) < 10
+    assert all(one.spare == 0 and one.width == TuningParameters().width for one in points)
     assert equal(tuned.settings.bounds, start.certified.bounds)
     used = [r for t in tuned.design.evidence if t.controller == RCAC for r in t.radius]
     assert tuned.verdict.guarantee.radius == max(used) <= 1
     box = next(t for t in tuned.design.evidence if t.controller == BOXED)
-    settings = settings_of(start.model, start.reference, start.expected, tuned.chosen.knobs)
+    settings = settings_of(start.model, start.reference, start.expected, tuned.chosen.parameters)
     trials = Trials({BOXED: settings}, start.model, start.expected, (box.variation,), 400, 1)
     assert trials.in_threads()[0].rms == box.rms  # the chosen prior in the box

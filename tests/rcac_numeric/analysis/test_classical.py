@@ -160,8 +160,8 @@ def loop_with(omega, phase):
         L = tf([g, h], np.concatenate([D, np.zeros(d)]))
         if radius(L) < 0.999 and abs((h - g) / np.polyval(D, -1)) < 1:
             margins = stability_margins(L, feedback=-1).delay
-            decided_here = np.isclose(margins.frequency, omega, rtol=1e-9)
-            if decided_here and radius(L, delay=int(np.ceil(margins.value))) > 1:
+            is_decided = np.isclose(margins.frequency, omega, rtol=1e-9)
+            if is_decided and radius(L, delay=int(np.ceil(margins.value))) > 1:
                 return L
     raise AssertionError("no such loop found")
 

@@ -229,5 +229,5 @@ def test_the_ends_of_the_disk_are_inverse_gains():
     grid = np.exp(1j * np.linspace(0, np.pi, 20001))
     L = 0.5 / (grid - 0.5)
     alpha = 2 / np.abs((1 - L) / (1 + L)).max()
-    wanted = ((2 - alpha) / (2 + alpha), (2 + alpha) / (2 - alpha))
-    assert disk.alpha == pytest.approx(alpha) and disk.gain == pytest.approx(wanted)
+    expected = ((2 - alpha) / (2 + alpha), (2 + alpha) / (2 - alpha))
+    assert disk.alpha == pytest.approx(alpha) and disk.gain == pytest.approx(expected)

@@ -53,15 +53,15 @@ def test_the_target_that_is_given_goes_before_that_of_the_settings(run):
 def test_a_run_cut_off_is_the_run_of_so_many_steps():
     """With the target in force at the last of them, 29 of 30, which is not the one of step 30."""
     plant, w = rn.standard_plant("1/(q - 0.5)"), noise(2, 60, 1)
-    made = [rn.TargetModel([0, 1.0, -0.1 * i]) for i in range(4)]
+    targets = [rn.TargetModel([0, 1.0, -0.1 * i]) for i in range(4)]
     settings = rn.ControllerSettings(
-        structure=rn.iir(2), target=made[0], update=rn.UD(0.1),
-        target_changes={10: made[1], 29: made[2], 30: made[3]},
+        structure=rn.iir(2), target=targets[0], update=rn.UD(0.1),
+        target_changes={10: targets[1], 29: targets[2], 30: targets[3]},
     )  # fmt: skip
     whole, part = (rn.LoopAnalysis(rn.simulate(plant, settings, w[:steps])) for steps in (60, 30))
     cut = whole.until(30)
     assert whole.until(30) is cut and whole.until(60) is whole
-    assert (cut.last_step, cut.compared_with, whole.compared_with) == (29, made[2], made[3])
+    assert (cut.last_step, cut.compared_with, whole.compared_with) == (29, targets[2], targets[3])
     assert cut.compared_with == part.compared_with and np.array_equal(cut.run.z, part.run.z)
     assert cut.compensator == part.compensator
 
@@ -86,8 +86,8 @@ def test_two_controllers_have_one_target_or_none_is_known():
     )
     for pair, known in (([one, one], True), ([one, other], False)):
         run = rn.simulate(plant, rn.Decentralized(pair), noise(4, 20, 1))
-        found, why = attempted(lambda run=run: rn.LoopAnalysis(run).compared_with)
-        assert found == (targets[0] if known else None) and ("different" in why) != known
+        compared, why = attempted(lambda run=run: rn.LoopAnalysis(run).compared_with)
+        assert compared == (targets[0] if known else None) and ("different" in why) != known
 
 
 def test_a_target_of_another_size_is_refused(run):

@@ -162,17 +162,17 @@ def test_both_halves_read_the_same_loops(name):
     arguments, options = SAME_LOOP[name]
     omega = 2 * np.arcsin(1 / 4)
     for half in BOTH:
-        found = half.stability_margins(*arguments, feedback=-1, **options)
-        assert found.is_stable
-        assert float(found.gain_up.value) == pytest.approx(4)
-        assert float(found.gain_up.frequency) == pytest.approx(np.pi)
-        assert not found.gain_down.is_reached and float(found.gain_down.value) == 0
-        assert float(found.phase.value) == pytest.approx(np.degrees((np.pi - omega) / 2))
-        assert float(found.phase.frequency) == pytest.approx(omega)
-        assert float(found.delay.value) == pytest.approx((np.pi - omega) / 2 / omega)
+        margins = half.stability_margins(*arguments, feedback=-1, **options)
+        assert margins.is_stable
+        assert float(margins.gain_up.value) == pytest.approx(4)
+        assert float(margins.gain_up.frequency) == pytest.approx(np.pi)
+        assert not margins.gain_down.is_reached and float(margins.gain_down.value) == 0
+        assert float(margins.phase.value) == pytest.approx(np.degrees((np.pi - omega) / 2))
+        assert float(margins.phase.frequency) == pytest.approx(omega)
+        assert float(margins.delay.value) == pytest.approx((np.pi - omega) / 2 / omega)
         # S - T = (z - 3/2)/(z - 1/2) is largest at z = -1: 5/3.
-        assert float(found.disk.alpha) == pytest.approx(6 / 5)
-        assert [float(end) for end in found.disk.gain] == pytest.approx([1 / 4, 4])
+        assert float(margins.disk.alpha) == pytest.approx(6 / 5)
+        assert [float(end) for end in margins.disk.gain] == pytest.approx([1 / 4, 4])
 
 
 LOOP = exact.place_poles("1/(z - 2)", ["1/2", "1/3"], 1, feedback=1)
@@ -212,8 +212,8 @@ ONE = rcac.Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]])
 )
 def test_a_plant_and_a_compensator_of_the_numeric_half(arguments, options):
     """q^2 - q - 2 + 2.5 k is stable for 0.8 < k < 1.2."""
-    found = rcac.stability_margins(*arguments, **options)
-    assert (found.gain_down.value, found.gain_up.value) == pytest.approx((0.8, 1.2))
+    margins = rcac.stability_margins(*arguments, **options)
+    assert (margins.gain_down.value, margins.gain_up.value) == pytest.approx((0.8, 1.2))
 
 
 @pytest.mark.parametrize(
@@ -238,10 +238,10 @@ def test_a_plant_in_s_is_sampled_with_a_hold(plant, compensator):
     """The exact margins of the exactly sampled plant, its exponentials as numbers."""
     mine = rcac.stability_margins(plant, compensator, feedback=-1, sample_time=0.5, disk=False)
     sampled = exact.sampling.zero_order_hold(plant, "1/2")
-    given = {} if compensator is None else {"compensator": compensator}
-    if given and not isinstance(compensator, str):
-        given = {"compensator": str(compensator)}
-    theirs = exact.stability_margins(sampled, **given, feedback=-1)
+    options = {} if compensator is None else {"compensator": compensator}
+    if options and not isinstance(compensator, str):
+        options = {"compensator": str(compensator)}
+    theirs = exact.stability_margins(sampled, **options, feedback=-1)
     assert mine.is_stable == theirs.is_stable
     for name in ("gain_up", "gain_down", "phase_lag", "phase_lead"):
         one, other = getattr(mine, name), getattr(theirs, name)

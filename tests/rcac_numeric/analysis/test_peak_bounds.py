@@ -74,9 +74,9 @@ def test_no_run_of_rcac_kept_inside_exceeds_its_bounds(loop, share, seed):
     bounds = peak_bounds(region, peaks, share=share)
     assert bounds.is_verified
     assert (bounds.held <= bounds.z * (1 + 1e-9)).all()
-    kept = CertifiedBounds(region.center, share * region.factor)
+    ellipsoid = CertifiedBounds(region.center, share * region.factor)
     start = chosen.k_w + chosen.k_update + 1
-    kept_settings = replaced(chosen, bounds=kept, k_w=0, k_update=start)
+    kept_settings = replaced(chosen, bounds=ellipsoid, k_w=0, k_update=start)
     w = peaks * rng.choice([-1.0, 1.0], (300, plant.l_w))
     run = simulate(plant, kept_settings, w)
     assert region.radius_of(run.theta).max() <= share * (1 + 1e-9)
@@ -136,8 +136,8 @@ def test_a_smaller_share_has_a_smaller_bound_and_near_zero_it_is_near_the_held_t
     bounds = [peak_bounds(region, 1.0, share=share).z[0] for share in (1e-6, 0.1, 0.5, 0.9)]
     assert bounds == sorted(bounds)
     # one ellipsoid is at most sqrt(n) beyond the peak of a held loop of this kind
-    held = peak_bounds(region, 1.0, share=1e-6).held[0]
-    assert held <= bounds[0] <= np.sqrt(3) * held
+    at_rest = peak_bounds(region, 1.0, share=1e-6).held[0]
+    assert at_rest <= bounds[0] <= np.sqrt(3) * at_rest
 
 
 def test_channels_add_up_and_those_without_a_peak_are_left_out():
@@ -228,8 +228,8 @@ def test_limits_that_the_bound_of_u_justifies_are_covered_without_an_assumption(
     response = simulate(PLANT, first_order(freeze=[(0, None)], **start), impulse).u
     worst = np.where(response[::-1] >= 0, 1.0, -1.0)  # for theta_0 without limits
     limit = passed * float(bounds.u[0])
-    kept = CertifiedBounds(region.center, share * region.factor)
-    chosen = first_order(update=UD(R_theta=0.1), bounds=kept, **start)
+    ellipsoid = CertifiedBounds(region.center, share * region.factor)
+    chosen = first_order(update=UD(R_theta=0.1), bounds=ellipsoid, **start)
     run = simulate(PLANT, chosen, worst, saturation=Saturation(low=-limit, high=limit))
     assert (run.u != run.u_applied).any()
     assert np.abs(run.u).max() <= bounds.u[0]

@@ -67,8 +67,8 @@ def test_a_chain_leaves_no_states_wherever_it_stands(name, at):
     elif at == "u":
         opened = broken_loop(loop, feedback=-1)
     else:  # the dual form, with the chain behind the input
-        given_one = broken_loop(loop, feedback=-1)
-        opened = OpenedLoop(given_one.A.T, given_one.C.T, given_one.B.T, given_one.D)
+        parts = broken_loop(loop, feedback=-1)
+        opened = OpenedLoop(parts.A.T, parts.C.T, parts.B.T, parts.D)
     steps, inner = opened.undelayed
     assert len(inner.A) <= most
     assert steps >= 29
@@ -89,9 +89,9 @@ def test_what_goes_round_a_chain_or_comes_back_keeps_it():
 
 def values(margins):
     disk = margins.disk
-    found = [margins.gain_up, margins.gain_down, margins.phase_lag, margins.phase_lead]
-    found = [boundary.value for boundary in [*found, margins.delay]]
-    return np.array([*found, disk.alpha, disk.S_peak, disk.T_peak])
+    numbers = [margins.gain_up, margins.gain_down, margins.phase_lag, margins.phase_lead]
+    numbers = [boundary.value for boundary in [*numbers, margins.delay]]
+    return np.array([*numbers, disk.alpha, disk.S_peak, disk.T_peak])
 
 
 @settings(max_examples=25)

@@ -66,13 +66,13 @@ def test_changes_of_sign_are_those_between_all_values_above_rounding(seed, sizes
     shares = drawn.choice([0.0, 0.5, 5.0], len(sizes))
     omega = np.arange(len(sizes), dtype=float)
 
-    def changes(kept):
-        signs = np.sign(value[kept])
-        return [(kept[i], kept[i + 1]) for i in np.flatnonzero(signs[1:] != signs[:-1])]
+    def changes(values):
+        signs = np.sign(value[values])
+        return [(values[i], values[i + 1]) for i in np.flatnonzero(signs[1:] != signs[:-1])]
 
-    _told = _boundaries._above_rounding(omega, value, lambda points: shares[points.astype(int)])
+    _decided = _boundaries._above_rounding(omega, value, lambda points: shares[points.astype(int)])
     every = np.flatnonzero(np.abs(value) > shares)
-    assert changes(_told) == changes(every)
+    assert changes(_decided) == changes(every)
 
 
 LOOPS = [

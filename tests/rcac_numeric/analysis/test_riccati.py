@@ -178,7 +178,7 @@ def test_more_inputs_than_outputs_are_refused_by_rank(seed, n, l_z, l_u):
 
 def test_scipy_is_silent_about_more_inputs_than_outputs():
     """It returns an answer whose innovation is singular, or fails with another reason."""
-    silent = 0
+    unreported = 0
     for seed in range(40):
         rng = np.random.default_rng(seed)
         A, B, E_1 = (rng.standard_normal(s) for s in ((3, 3), (3, 2), (1, 3)))
@@ -186,8 +186,8 @@ def test_scipy_is_silent_about_more_inputs_than_outputs():
             P = solve_discrete_are(A, B, E_1.T @ E_1, np.zeros((2, 2)))
         except ValueError:  # LinAlgError is one; ordqz raises the bare one
             continue
-        silent += np.linalg.cond(B.T @ P @ B) > 1e10
-    assert silent > 0
+        unreported += np.linalg.cond(B.T @ P @ B) > 1e10
+    assert unreported > 0
 
 
 def test_scipys_user_reported_case_with_cross_terms():

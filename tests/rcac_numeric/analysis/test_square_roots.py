@@ -22,9 +22,9 @@ from rcac_numeric.analysis._square_roots import (
 from tests.support.riccati_digits import design_60_digits, hard_design
 
 
-def distance(found, exact):
+def distance(root, exact):
     exact = np.array(exact.tolist(), dtype=float)
-    return np.linalg.norm(found - exact) / np.linalg.norm(exact)
+    return np.linalg.norm(root - exact) / np.linalg.norm(exact)
 
 
 def test_the_design_that_was_refused():

@@ -200,15 +200,15 @@ def test_what_is_not_answered_has_its_reason(width, left_out):
     target = fir_target(plant) if width == 1 else TargetModel([np.zeros((2, 2)), np.eye(2)])
     settings = ControllerSettings(structure=iir(2, width, width), target=target, update=UD(1e-2))
     run = simulate(plant, settings, exogenous([WhiteNoise()] * width, 60, 1))
-    given = {"plant": plant, "target": target, "w": run.w, "z": run.z, "theta": run.theta}
-    given = {name: value for name, value in given.items() if name not in left_out}
-    which = {"structure": settings.structure} if "theta" in given else {}
-    check = check_controller(run.u, run.y, **given, **(which or {"compensator": run.compensator}))
+    data = {"plant": plant, "target": target, "w": run.w, "z": run.z, "theta": run.theta}
+    data = {name: value for name, value in data.items() if name not in left_out}
+    which = {"structure": settings.structure} if "theta" in data else {}
+    check = check_controller(run.u, run.y, **data, **(which or {"compensator": run.compensator}))
     for name, reasons in REASONS.items():
-        found = getattr(check, name)
-        is_answered = bool(found) if isinstance(found, dict) else found is not None
+        answer = getattr(check, name)
+        is_answered = bool(answer) if isinstance(answer, dict) else answer is not None
         assert is_answered or reasons & check.unanswered.keys(), name
-    assert check.plant is given.get("plant") and check.target is given.get("target")
+    assert check.plant is data.get("plant") and check.target is data.get("target")
     words = " ".join(check.report().split())
     assert all(f"{name}: {why}." in words for name, why in check.unanswered.items())
 

@@ -44,19 +44,19 @@ def loop_of(G, gain, steps=300, saturation=None):
     return c, simulate(standard_plant(G), FixedController(c), w, saturation=saturation)
 
 
-def said(found):
-    return [(one.code, one.sentence, one.next_step) for one in loop_health(found).warnings]
+def sentences(run):
+    return [(one.code, one.sentence, one.next_step) for one in loop_health(run).warnings]
 
 
 def every_warning():
     for G, gain in CASES:
         c, run = loop_of(G, gain)
-        yield from said(run)
-        yield from said(loop_of(G, gain, 30, Saturation(low=-0.1, high=0.1))[1])
+        yield from sentences(run)
+        yield from sentences(loop_of(G, gain, 30, Saturation(low=-0.1, high=0.1))[1])
         u, y = run.u[np.abs(run.u[:, 0]) < 1e9], run.y[np.abs(run.u[:, 0]) < 1e9]
         for wrong in (1.0, 1.1):
             log = check_controller(u * wrong, y, compensator=c, plant=standard_plant(G))
-            yield from said(log)
+            yield from sentences(log)
             assert "about theta" not in log.report()
 
 
@@ -75,7 +75,9 @@ def test_nothing_that_is_said_of_a_fixed_controller_speaks_of_adaptation():
 def test_the_other_sign_is_advised_where_it_stabilises(gain, is_turned):
     """u(k) = gain y(k-1) on 1/(q - 0.9): the poles are the roots of q^2 - 0.9 q - gain."""
     steps = [
-        step for code, _, step in said(loop_of("1/(q - 0.9)", gain, 60)[1]) if code == "unstable"
+        step
+        for code, _, step in sentences(loop_of("1/(q - 0.9)", gain, 60)[1])
+        if code == "unstable"
     ]
     assert len(steps) == (gain > 0)
     assert any("other sign" in step for step in steps) == is_turned
@@ -87,7 +89,7 @@ def test_an_adapting_one_still_gets_it():
         structure=iir(2), target=fir_target(standard_plant("-1/q")), update=UD(R_theta=1e-8)
     )
     run = simulate(plant, settings, exogenous([Step(1.0)], 200))
-    steps = " ".join(step for _, _, step in said(run))
+    steps = " ".join(step for _, _, step in sentences(run))
     assert "R_theta" in steps
 
 

@@ -40,7 +40,7 @@ def test_what_cannot_be_compared_is_refused():
     short = rn.ControllerLog(np.ones(20), np.arange(20.0))
     with pytest.raises(InputError, match="too few"):
         decide_problem(short, PLANTS)
-    with pytest.raises(InputError, match="no choice"):
+    with pytest.raises(InputError, match="there is one plant"):
         decide_problem(short, {"standard": PLANTS["standard"]})
     with pytest.raises(InputError, match="l_y = 2"):
         decide_problem(rn.ControllerLog(np.ones(200), np.ones((200, 2))), PLANTS)

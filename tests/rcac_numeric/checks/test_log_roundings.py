@@ -28,7 +28,7 @@ def rounded(values, writer):
     return np.vectorize(WRITERS[writer], otypes=[float])(values)
 
 
-def made_log(seed, steps=60, n_c=2, size=1.0):
+def random_log(seed, steps=60, n_c=2, size=1.0):
     """u(k) = Phi(k) theta(k) of random, bounded signals and coefficients that move."""
     rng = np.random.default_rng(seed)
     y = size * rng.standard_normal(steps)
@@ -43,7 +43,7 @@ def made_log(seed, steps=60, n_c=2, size=1.0):
 
 @given(seeds, st.sampled_from(sorted(WRITERS)), st.sampled_from([1.0, 30.0]))
 def test_a_log_of_any_digits_agrees_and_a_fault_beyond_them_does_not(seed, writer, size):
-    log = made_log(seed, size=size)
+    log = random_log(seed, size=size)
     written = ControllerLog(
         **{name: rounded(getattr(log, name), writer) for name in ("u", "y", "theta")}
     )
@@ -57,7 +57,7 @@ def test_a_log_of_any_digits_agrees_and_a_fault_beyond_them_does_not(seed, write
 
 @given(seeds)
 def test_the_more_digits_the_less_is_left_open(seed):
-    log = made_log(seed)
+    log = random_log(seed)
     tolerances = []
     for writer in ("%.2f", "%.4f", "single", "float64"):
         written = {name: rounded(getattr(log, name), writer) for name in ("u", "y", "theta")}
@@ -67,7 +67,7 @@ def test_the_more_digits_the_less_is_left_open(seed):
 
 
 def test_the_report_says_what_is_allowed_and_the_option_decides():
-    log = made_log(1)
+    log = random_log(1)
     written = ControllerLog(
         **{name: rounded(getattr(log, name), "%.4f") for name in ("u", "y", "theta")}
     )
@@ -81,7 +81,7 @@ def test_the_report_says_what_is_allowed_and_the_option_decides():
 
 
 def test_a_log_is_what_it_holds():
-    log = made_log(3)
+    log = random_log(3)
     assert pickle.loads(pickle.dumps(log)) == log == replace(log)
     other = replace(log, y=log.y + 1)
     assert other != log and other.source == log.source

@@ -39,14 +39,14 @@ def test_nothing_is_left_where_all_of_w_is_known(n, l_u, l_y, l_w, seed):
 
 
 @pytest.mark.parametrize(
-    "told", ["1/(q + 0.5)", "0.2/(q - 0.5)", "1/(q - 0.9)", "q/((q - 0.5)*(q + 0.9))"]
+    "plant", ["1/(q + 0.5)", "0.2/(q - 0.5)", "1/(q - 0.9)", "q/((q - 0.5)*(q + 0.9))"]
 )
-def test_another_plant_is_doubted(told):
+def test_another_plant_is_doubted(plant):
     rng = np.random.default_rng(7)
     u, w = rng.standard_normal((400, 1)), 0.05 * rng.standard_normal((400, 1))
     y = response(standard_plant("1/(q - 0.5)"), u, w, np.zeros(1))
     assert not plant_residual(ControllerLog(u, y), standard_plant("1/(q - 0.5)")).is_doubtful
-    residual = plant_residual(ControllerLog(u, y), standard_plant(told))
+    residual = plant_residual(ControllerLog(u, y), standard_plant(plant))
     assert residual.is_doubtful and "another plant" in str(residual)
 
 

@@ -11,7 +11,7 @@ from rcac_numeric.targets import modelling_information
 G = control.c2d(control.tf([2], [0.5, 1.2, 1]), 0.1)
 SAMPLED = rn.servo_plant(G)
 H = modelling_information(SAMPLED).H
-CANCELLED, TOLD = rn.fir_target(SAMPLED), rn.fir_target(rn.ModellingInformation(1, H, [-1]))
+CANCELLED, LISTED = rn.fir_target(SAMPLED), rn.fir_target(rn.ModellingInformation(1, H, [-1]))
 SIZES = ("large transient", "large control")
 
 
@@ -33,7 +33,7 @@ def test_the_zero_is_named_before_R_theta_and_only_it_helps(seed):
         for message in advice
     )
     larger, _ = ran(CANCELLED, 1.0, seed)
-    message, mended = ran(TOLD, 1e-2, seed)
+    message, mended = ran(LISTED, 1e-2, seed)
     assert larger > peak > 5 * message
     assert not any(warning.is_grave for warning in mended.warnings)
 
@@ -49,8 +49,10 @@ def test_only_real_zeros_near_minus_one_that_the_target_lacks(zeros, left):
     plant = rn.standard_plant(f"{zeros}/((q - 0.5)*(q - 0.6)*(q - 0.7))")
     d_zu = modelling_information(plant).d_zu
 
-    def said(told):
-        return sampling_zero_remedies(plant, rn.fir_target(rn.ModellingInformation(d_zu, 1, told)))
+    def said(target):
+        return sampling_zero_remedies(
+            plant, rn.fir_target(rn.ModellingInformation(d_zu, 1, target))
+        )
 
     assert bool(said([])) == bool(left) and all(zero in said([])[0] for zero in left)
     assert said([-1] * len(left)) == ()

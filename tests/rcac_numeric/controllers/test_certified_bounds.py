@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import rcac_numeric as rn
 from compensator_theory.errors import InputError
 from rcac_numeric.compiled import _kernel
-from rcac_numeric.controllers._bounds import inverse_factor, kept_radii
+from rcac_numeric.controllers._bounds import ellipsoid_radii, inverse_factor
 from tests.support.ellipsoids import ellipsoid, exact_square, rational
 from tests.support.signals import noise
 from tests.support.strategies import seeds
@@ -34,7 +34,7 @@ def settings_of(n_c=2, **more):
     return rn.ControllerSettings(**{**argument, "update": rn.UD(0.05), **more})
 
 
-def kept(seed, n_c, update="ud", **more):
+def bounded_settings(seed, n_c, update="ud", **more):
     bounds = ellipsoid(seed, 2 * n_c, **more)
     return settings_of(n_c, update=UPDATES[update], bounds=bounds, theta_0=bounds.center)
 
@@ -45,8 +45,8 @@ def kept(seed, n_c, update="ud", **more):
 def test_no_theta_leaves_the_ellipsoid_and_a_projection_ends_on_its_boundary(
     seed, n_c, width, spread, update
 ):
-    settings = kept(seed, n_c, update, width=width, spread=spread)
-    bounds, (limit, aim) = settings.bounds, kept_radii(settings.bounds)
+    settings = bounded_settings(seed, n_c, update, width=width, spread=spread)
+    bounds, (limit, aim) = settings.bounds, ellipsoid_radii(settings.bounds)
     controller, w = rn.Controller(settings), noise(seed, 40, 1)
     run = rn.simulate(PLANT, settings, w)
     for k in range(run.steps):
@@ -125,7 +125,7 @@ def test_the_cuts_bring_theta_nearer_to_the_nearest_point_in_the_metric_of_P(see
 @pytest.mark.parametrize("n_c", [1, 2, 3, 5])
 def test_every_instruction_set_projects_as_ball_arithmetic_does(update, n_c, monkeypatch):
     for seed in range(3):
-        settings = kept(seed, n_c, update)
+        settings = bounded_settings(seed, n_c, update)
         w = noise(seed, 20, 1)
         exact = rn.simulate_reference(PLANT, settings, w)
         size = max(1.0, np.abs(exact.u).max())
@@ -154,7 +154,7 @@ def test_a_theta_beyond_float64_comes_back_along_its_direction():
 
 @pytest.mark.parametrize("policy", ["warn", "freeze", "bound", "reset"])
 def test_the_supervision_records_the_largest_radius_of_its_looks(policy):
-    settings = kept(4, 2, width=0.3)
+    settings = bounded_settings(4, 2, width=0.3)
     w = noise(4, 200, 1)
     run, supervision = rn.simulate(PLANT, settings, w), rn.Supervision(policy)
     controller = rn.Controller(settings, supervision)
@@ -172,7 +172,7 @@ def test_the_supervision_records_the_largest_radius_of_its_looks(policy):
 
 
 def test_the_share_of_the_radius_is_in_the_run_its_tables_and_its_health():
-    settings = kept(5, 2)
+    settings = bounded_settings(5, 2)
     run = rn.simulate(PLANT, settings, noise(5, 100, 1), stride=7)
     expected = [float(exact_square(settings.bounds, theta)) ** 0.5 for theta in run.theta]
     assert np.allclose(run.radius, expected, rtol=1e-12, atol=1e-15)
@@ -191,7 +191,7 @@ def test_the_share_of_the_radius_is_in_the_run_its_tables_and_its_health():
 
 def test_the_share_of_the_radius_in_a_data_frame():
     pytest.importorskip("pandas")
-    run = rn.simulate(PLANT, kept(5, 2), noise(5, 30, 1), stride=4)
+    run = rn.simulate(PLANT, bounded_settings(5, 2), noise(5, 30, 1), stride=4)
     column = run.to_pandas()["radius"]
     assert np.array_equal(column[::4], run.radius) and column.isna().sum() == 30 - len(run.radius)
 
@@ -221,7 +221,7 @@ def test_batches_with_other_numbers_are_the_single_runs():
 
 @pytest.mark.parametrize("past", ["keep", "reset", "blend", "replay"])
 def test_a_target_model_that_is_set_while_it_runs(past):
-    settings = kept(7, 2)
+    settings = bounded_settings(7, 2)
     run, controller = rn.simulate(PLANT, settings, noise(7, 120, 1)), rn.Controller(settings)
     for k in range(120):
         controller.step(run.y[k], run.z[k])
@@ -231,7 +231,7 @@ def test_a_target_model_that_is_set_while_it_runs(past):
 
 
 def test_several_controllers_keep_each_its_own():
-    parts = [kept(seed, 1) for seed in (8, 9)]
+    parts = [bounded_settings(seed, 1) for seed in (8, 9)]
     run = rn.simulate(PLANT, rn.Decentralized(parts, shared_u=True), noise(8, 60, 1))
     assert run.bounded > 0 and run.radius is None
     for i, part in enumerate(parts):

@@ -47,7 +47,7 @@ def test_it_closes_loops_as_a_compensator_does():
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("obj", "words"),
     [
         ("1/(s + 1)", "in continuous time"),
         ("q", "future values of y"),
@@ -58,6 +58,6 @@ def test_it_closes_loops_as_a_compensator_does():
         ("1/(q -", "cannot read"),
     ],
 )
-def test_what_is_no_compensator_is_refused(given, words):
+def test_what_is_no_compensator_is_refused(obj, words):
     with pytest.raises(CompensatorError, match=words):
-        FixedController(given)
+        FixedController(obj)

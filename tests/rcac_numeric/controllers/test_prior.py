@@ -48,8 +48,8 @@ def test_it_is_the_mean_of_the_regressor_by_hand():
 def test_sizes_of_a_target_of_one_lag_by_hand():
     """White signals behind 3/q: their mean squares, 9 times, with nothing beside the diagonal."""
     delayed, sizes = rn.TargetModel([0, 3.0]), [0.25] * 2 + [4.0] * 2
-    found = weight_of(rn.iir(2), rn.PriorSamples(1, y=2.0, u=0.5), delayed)
-    assert np.allclose(found, 9 * np.diag(sizes) * (1 + FLOOR), rtol=1e-12, atol=1e-12)
+    weight = weight_of(rn.iir(2), rn.PriorSamples(1, y=2.0, u=0.5), delayed)
+    assert np.allclose(weight, 9 * np.diag(sizes) * (1 + FLOOR), rtol=1e-12, atol=1e-12)
 
 
 @settings(max_examples=10)

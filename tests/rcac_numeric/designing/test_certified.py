@@ -53,8 +53,8 @@ def test_the_set_is_proved_for_the_whole_family_and_keeps_rcac(certified):
 
 def test_rcac_in_the_box_is_the_one_of_the_design_without_a_set(certified, boxed):
     assert isinstance(boxed.settings.bounds, CoefficientBounds) and boxed.certified is None
-    kept = attrs.evolve(boxed.settings, bounds=certified.settings.bounds)
-    assert equal(certified.settings, kept)
+    in_set = attrs.evolve(boxed.settings, bounds=certified.settings.bounds)
+    assert equal(certified.settings, in_set)
     pairs = ((BOXED, RCAC), (FIXED, FIXED))
     for ours, theirs in pairs:
         rows = zip(trials_of(certified, ours), trials_of(boxed, theirs), strict=True)
@@ -114,8 +114,8 @@ def test_a_set_is_suggested_where_rcac_in_the_box_lost_a_test_run(boxed, certifi
     assert stable < runs and lost.possible_set.is_verified
     words = f"RCAC is unstable in {runs - stable} of {runs} test runs; a certified set exists"
     assert words in " ".join(lost.report().split())
-    kept = design(lags, kept="certified", **data)
-    assert kept.verdict.rcac.stable == (runs, runs) and kept.possible_set is None
+    in_set = design(lags, kept="certified", **data)
+    assert in_set.verdict.rcac.stable == (runs, runs) and in_set.possible_set is None
     assert boxed.possible_set is None and certified.possible_set is None
     assert "certified" not in boxed.report()
 
@@ -137,10 +137,10 @@ def test_a_limit_of_u_is_not_covered_by_name():
     assert "Not covered: u_limits." in report and f"in {steps} of 400 steps" in report
 
 
-@pytest.mark.parametrize("kept", ["stable", None, True])
-def test_other_words_are_refused(kept):
+@pytest.mark.parametrize("word", ["stable", None, True])
+def test_other_words_are_refused(word):
     with pytest.raises(InputError, match="kept"):
-        design("2/(10*s + 1)", kept=kept, **LAG)
+        design("2/(10*s + 1)", kept=word, **LAG)
 
 
 @pytest.mark.costly

@@ -59,9 +59,9 @@ def test_the_peak_of_the_reference_is_that_of_the_margins():
     assert sensitivity_peak(loop) == pytest.approx(S_peak, rel=1e-3)
 
 
-def gain_from_d(plant, found, omega):
+def gain_from_d(plant, controller, omega):
     """abs of the response from d to e, over that of the plant alone."""
-    loop = found.loop(plant)
+    loop = controller.loop(plant)
     return abs(loop.frequency_response([omega])[0, 0, 1] / plant.response(omega)[0])
 
 

@@ -11,12 +11,12 @@ QUICK = {"seeds": 2, "steps": 400}
 SQUARE = Recorded(np.tile([1.0, 1.0, -1.0, -1.0], 1000))  # faster than any loop with dead time
 
 
-def size_of(found, controller):
+def size_of(designed, controller):
     """Rms of r - y_0 on the nominal plant, over the draws of the verdict."""
     sizes = []
     for i in range(QUICK["seeds"]):
-        w = found.expected.w(found.steps, JUDGING + i)
-        run = simulate(found.plant, controller, w)
+        w = designed.expected.w(designed.steps, JUDGING + i)
+        run = simulate(designed.plant, controller, w)
         sizes.append(np.sqrt(np.mean((run.z + w[:, -1:]) ** 2)))
     return np.exp(np.mean(np.log(sizes)))
 

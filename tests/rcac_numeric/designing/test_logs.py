@@ -31,32 +31,35 @@ def log_of(steps=1500, noise=0.05, seed=4, u_unit=1.0, y_unit=1.0, offset=3.0):
 
 
 @pytest.fixture(scope="module")
-def found():
+def from_log():
     return rn.design(log_of(), sample_time=0.5, **QUICK)
 
 
 @pytest.mark.costly
-def test_the_controller_is_one_for_the_plant_of_the_log(found):
+def test_the_controller_is_one_for_the_plant_of_the_log(from_log):
     true = read_plant(TRUE, None, 2)
-    assert (found.model.delay, found.model.sign) == (2, "-") and found.plant.sample_time == 0.5
-    assert found.model.low_gain == pytest.approx(true.low_gain, rel=0.05)
-    assert sensitivity_peak(rn.ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
+    assert (from_log.model.delay, from_log.model.sign) == (
+        2,
+        "-",
+    ) and from_log.plant.sample_time == 0.5
+    assert from_log.model.low_gain == pytest.approx(true.low_gain, rel=0.05)
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), from_log.fixed.compensator)) < 2.5
 
 
-def test_what_the_log_shows_of_itself_is_evidence(found):
-    logged = found.logged
-    assert logged.stable_parts(found.fixed.compensator) == PARTS and len(logged.gains) == PARTS
+def test_what_the_log_shows_of_itself_is_evidence(from_log):
+    logged = from_log.logged
+    assert logged.stable_parts(from_log.fixed.compensator) == PARTS and len(logged.gains) == PARTS
     assert all(0.7 < gain < 1.4 for gain in logged.gains)
-    low, high = found.uncertainty.gain
+    low, high = from_log.uncertainty.gain
     assert low <= min(0.8, *logged.gains) and high >= max(1.25, *logged.gains)
-    names = [question.name for question in found.questions]
+    names = [question.name for question in from_log.questions]
     assert names[:3] == ["plant", "plant", "dead_time"]
     assert {"disturbance", "noise", "u_limits"} <= set(names)
     gates = {gate.name: gate for gate in logged.model.gates}
     assert {"effect of u", "gain", "rivals", "halves", "robustness"} <= set(gates)
     assert all(gate.passed for gate in gates.values())
-    assert all(name in found.questions[0].words for name in gates)
-    record = found._sheet().sections[0].record["verdict"]["log"]
+    assert all(name in from_log.questions[0].words for name in gates)
+    record = from_log._sheet().sections[0].record["verdict"]["log"]
     assert {one["name"] for one in record["gates"]} == set(gates)
     # 0.15/((1 - 0.9)(1 - 0.6)) = 3.75 with the other sign
     low, high = record["gain_interval"]
@@ -111,7 +114,7 @@ def test_a_plant_with_direct_feedthrough_has_a_controller_of_the_row_before():
 
 
 @pytest.mark.costly
-def test_a_plant_that_integrates_has_its_pole_at_1(found):
+def test_a_plant_that_integrates_has_its_pole_at_1(from_log):
     rng = np.random.default_rng(440012)
     u = rng.standard_normal(2000)
     y = lfilter([0, 0, 0.05], np.poly([1.0, 0.8]), u)
@@ -122,22 +125,24 @@ def test_a_plant_that_integrates_has_its_pole_at_1(found):
     assert np.abs(np.linalg.eigvals(integrating.model.A) - 1).min() < 1e-12
     assert sensitivity_peak(rn.ClosedLoop(true.servo(), integrating.fixed.compensator)) < 2.5
     assert any("pole at 1" in question.assumed for question in integrating.questions)
-    assert found.logged.model.integrators == 0
+    assert from_log.logged.model.integrators == 0
 
 
-def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
+def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(from_log):
     slow = replace(
-        found.logged.model, denominator=np.poly([0.999, 0.5]), covariance=1e-4 * np.eye(3)
+        from_log.logged.model, denominator=np.poly([0.999, 0.5]), covariance=1e-4 * np.eye(3)
     )
-    assert replace(found.logged, model=slow).integrates
-    assert not replace(found.logged, model=replace(slow, covariance=1e-10 * np.eye(3))).integrates
-    assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
+    assert replace(from_log.logged, model=slow).integrates
+    assert not replace(
+        from_log.logged, model=replace(slow, covariance=1e-10 * np.eye(3))
+    ).integrates
+    assert not replace(from_log.logged, model=replace(slow, integrators=1)).integrates
 
 
 @pytest.mark.costly
-def test_the_fixed_controller_is_that_of_the_lqg_problem(found):
+def test_the_fixed_controller_is_that_of_the_lqg_problem(from_log):
     """Which is computed when it is read, with its cost; u of the units over y of the units."""
-    reference = found.reference
+    reference = from_log.reference
     compensator = reference.lqg.compensator
     unit_u, unit_y = reference.units
     np.testing.assert_allclose(reference.compensator.past_u, compensator.past_u, rtol=1e-9)
@@ -158,7 +163,7 @@ def test_the_reason_of_a_log_is_that_of_its_best_model(monkeypatch):
         gates = passed(search, fit)
         return tuple(replace(gate, passed=len(orders) == 1) for gate in gates)
 
-    def no_controller(ladder):
+    def no_controller(grid):
         raise NoSolutionError("no such controller")
 
     passed = LogSearch.first_gates
@@ -173,11 +178,11 @@ def test_the_reason_of_a_log_is_that_of_its_best_model(monkeypatch):
 def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monkeypatch):
     best = WeightGrid.best
 
-    def of_order_1(ladder):
-        poles = np.abs(np.linalg.eigvals(ladder.plant.A))
+    def of_order_1(grid):
+        poles = np.abs(np.linalg.eigvals(grid.plant.A))
         if np.sum(poles > 1e-9) > least:  # a second coefficient of B is a state at 0
             raise NoSolutionError("no such controller")
-        return best(ladder)
+        return best(grid)
 
     monkeypatch.setattr(WeightGrid, "best", of_order_1)
     least = 1

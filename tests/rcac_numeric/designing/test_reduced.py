@@ -17,7 +17,7 @@ from rcac_numeric.designing._trials import FULL, measured
 from rcac_numeric.targets import DirectionInformation
 
 LAGS = "1/((20*s + 1)*(3*s + 1))"
-OWN = rn.Structure(
+STRUCTURE = rn.Structure(
     [rn.Tap("y", 0, 1), rn.Tap("y", 0, 3), rn.Tap("derived", 0, 1)], 1, 1,
     derived=[rn.DerivedSignal((1.0,), (0.0,), 0.9)],
 )  # fmt: skip
@@ -36,7 +36,7 @@ def grid_of(G, disturbance=rn.Step(0.5), noise=0.01, command=None, dead_time=3.0
 
 @pytest.mark.costly
 @pytest.mark.parametrize(
-    "structure", [rn.pid("PI"), rn.pid("PID"), rn.fir_integrator(8), rn.fir(15), OWN]
+    "structure", [rn.pid("PI"), rn.pid("PID"), rn.fir_integrator(8), rn.fir(15), STRUCTURE]
 )
 def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
     grid = grid_of(LAGS)
@@ -59,7 +59,7 @@ def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("structure", [rn.pid("PI"), OWN])
+@pytest.mark.parametrize("structure", [rn.pid("PI"), STRUCTURE])
 def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says(structure):
     """u = Phi theta + u~ by simulation: z is the impulse response of G_f to a pulse of u~."""
     grid = grid_of(LAGS, dead_time=1.0)
@@ -95,7 +95,7 @@ def test_other_structures_are_refused_by_name(structure, words):
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("structure", [rn.pid("DI"), rn.fir(6), rn.fir_integrator(5), OWN])
+@pytest.mark.parametrize("structure", [rn.pid("DI"), rn.fir(6), rn.fir_integrator(5), STRUCTURE])
 def test_a_reduced_design_has_lqg_beside_it(structure):
     designed = rn.design(
         LAGS, sample_time=1.0, disturbance=0.5, noise=0.01, structure=structure, seeds=1, steps=300

@@ -40,7 +40,7 @@ def of(G, late=1.0, gains=(1.0, 1.0)):
 
 
 @pytest.fixture(scope="module", params=[TWO, THREE], ids=["two", "three"])
-def made(request):
+def designed(request):
     return of(request.param)
 
 
@@ -51,8 +51,8 @@ def two():
 
 
 @pytest.mark.costly
-def test_the_peak_is_that_of_the_sensitivity_at_u_and_at_y(made):
-    plant, result, _ = made
+def test_the_peak_is_that_of_the_sensitivity_at_u_and_at_y(designed):
+    plant, result, _ = designed
     omega = np.concatenate([np.geomspace(1e-4, 0.1, 300), np.linspace(0.1, np.pi, 1500)])
     G = plant.response(omega)
     A, B, C, _ = result.compensator.state_space()
@@ -67,16 +67,16 @@ def test_the_peak_is_that_of_the_sensitivity_at_u_and_at_y(made):
     assert max(peaks) == pytest.approx(result.peak, rel=0.01)
 
 
-def test_every_error_is_rid_of_every_constant(made):
-    plant, result, _ = made
+def test_every_error_is_rid_of_every_constant(designed):
+    plant, result, _ = designed
     m = plant.m
     to_e = result.loop(plant).frequency_response([1e-5])[0, :, m : 2 * m]
     assert np.abs(to_e).max() < 1e-2 * plant.low_gain
 
 
 @pytest.mark.costly
-def test_the_target_is_what_the_reference_loop_is(made):
-    plant, result, settings_ = made
+def test_the_target_is_what_the_reference_loop_is(designed):
+    plant, result, settings_ = designed
     omega = np.linspace(0, np.pi, 400)
     expected = result.loop(plant).intercalated_response(omega)
     gap = np.abs(settings_.target.frequency_response(omega) - expected).max()

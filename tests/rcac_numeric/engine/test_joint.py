@@ -156,7 +156,7 @@ def test_the_null_space_on_random_data(n_c, n_d, N_f):
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "message"),
     [
         (lambda: settings(JointUD(0.1, n_d=6, rho=0.0)), "does not change along 5 directions"),
         (lambda: JointUD(0.1, n_d=2, rho=-1.0), "must be positive"),
@@ -181,8 +181,8 @@ def test_the_null_space_on_random_data(n_c, n_d, N_f):
         ),
     ],
 )
-def test_refusals(make, said):
-    with pytest.raises(InputError, match=said):
+def test_refusals(make, message):
+    with pytest.raises(InputError, match=message):
         make()
 
 

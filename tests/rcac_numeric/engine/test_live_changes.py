@@ -42,7 +42,7 @@ def run(controller, data):
     return np.array([controller.step(*one) for one in data])
 
 
-class Told(textbook.Book):
+class ChangedBook(textbook.Book):
     """The text's controller with its target replaced: all of its past filtered by the new one."""
 
     own = None
@@ -63,13 +63,13 @@ class Told(textbook.Book):
         self.k = done
 
 
-def compared(settings, regressor, data, told, covariance):
+def compared(settings, regressor, data, changes, covariance):
     """theta of the kernel and of the text, after targets told at the steps of `told`."""
-    controller, book = rn.Controller(settings), Told(settings, regressor)
+    controller, book = rn.Controller(settings), ChangedBook(settings, regressor)
     for k, (y, z, r) in enumerate(data):
-        if k in told:
-            done = controller.set_target(told[k], covariance)
-            book.set_target(told[k])
+        if k in changes:
+            done = controller.set_target(changes[k], covariance)
+            book.set_target(changes[k])
             if done.covariance == "reset":
                 book.reset()
         u = controller.step(y, z, r)

@@ -134,8 +134,8 @@ def test_numbers_alone_need_no_other_loop():
     ],
 )
 def test_settings_with_other_numbers_are_those_made_anew(of_update, of_settings):
-    made = settings_with_numbers(GOOD, of_update, of_settings)
-    assert made == replaced(GOOD, update=replaced(GOOD.update, **of_update), **of_settings)
+    settings = settings_with_numbers(GOOD, of_update, of_settings)
+    assert settings == replaced(GOOD, update=replaced(GOOD.update, **of_update), **of_settings)
     for wrong in ({"R_z": 0.0}, {"R_z": -1.0}, {"R_u": -0.5}):
         with pytest.raises(InputError):
             settings_with_numbers(GOOD, of_update, of_settings | wrong)

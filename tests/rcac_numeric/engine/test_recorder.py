@@ -168,5 +168,5 @@ def test_a_takeover_has_no_bump():
     controller.take_over(us[-1] + 3.0, fade=0.5)
     twin = rn.Controller(SETTINGS)
     driven(twin, 50)
-    requested, given_ = float(twin.step(1.0, 1.0)[0]), float(controller.step(1.0, 1.0)[0])
-    assert given_ == pytest.approx(us[-1] + 3.0) and abs(requested - given_) > 0.1
+    requested, applied = float(twin.step(1.0, 1.0)[0]), float(controller.step(1.0, 1.0)[0])
+    assert applied == pytest.approx(us[-1] + 3.0) and abs(requested - applied) > 0.1

@@ -96,7 +96,7 @@ def advance(k, x, u, w):
     return 0.5 * x + u + w
 
 
-def seen(k, x, w):
+def state_twice(k, x, w):
     return x, x
 
 
@@ -107,7 +107,7 @@ def seen_2(k, x, w):
 def test_a_plant_made_of_functions_is_asked_for(tmp_path):
     plant, other = (
         FunctionPlant(advance=advance, output=output, n=1, l_u=1, l_w=1, l_y=1, l_z=1)
-        for output in (seen, seen_2)
+        for output in (state_twice, seen_2)
     )
     run = simulate(plant, samples.adaptive(1), np.ones((9, 1)))
     file = tmp_path / "run.npz"

@@ -86,16 +86,16 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
     assert (rest.resets, rest.guard_count) == (whole.resets, whole.guard_count)
 
 
-@pytest.mark.parametrize("given", ["w", "x_0"])
-def test_a_state_carries_the_size_of_what_came_from_outside(given, tmp_path):
+@pytest.mark.parametrize("number", ["w", "x_0"])
+def test_a_state_carries_the_size_of_what_came_from_outside(number, tmp_path):
     """A run that goes on from a large signal diverges where the whole run does."""
     plant = rn.Plant(A=[[1.2]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0]])
     update = rn.UD(1.0)
     settings = rn.ControllerSettings(
         structure=rn.iir(1), target=rn.TargetModel([0, 1.0]), update=update, k_w=10**6
     )
-    w, x_0 = np.zeros((300, 1)), [1e4 if given == "x_0" else 0.0]
-    w[3] = 0.0 if given == "x_0" else 1e4
+    w, x_0 = np.zeros((300, 1)), [1e4 if number == "x_0" else 0.0]
+    w[3] = 0.0 if number == "x_0" else 1e4
     whole = rn.simulate(plant, settings, w, x_0=x_0)
     first = rn.simulate(plant, settings, w[:50], x_0=x_0)
     first.state.save(tmp_path / "state.npz")

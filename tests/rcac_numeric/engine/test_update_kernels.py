@@ -51,8 +51,8 @@ def minimiser(data, lam=1.0):
         ctx.prec = precision
 
 
-def close(found, exact, bound):
-    return np.abs(found - exact).max() <= bound * np.abs(exact).max()
+def close(value, exact, bound):
+    return np.abs(value - exact).max() <= bound * np.abs(exact).max()
 
 
 @given(lengths, st.integers(1, 3), st.sampled_from([1.0, 0.97]), seeds)

@@ -17,7 +17,7 @@ from rcac_numeric.estimation import RCMR, ModelRefinement
 
 N, H, NU, MEAN, KAPPA = 20, 0.002, 0.05, 1.0, 3.0
 DX, CELL, SENSOR = 1 / (N + 1), 8, 12
-HERE = np.eye(N)[CELL]
+C_POINT = np.eye(N)[CELL]
 NEXT = np.eye(N, k=1)
 NEXT[-1, -1] = 1  # beyond the outlet the flow is that of the last cell
 CENTRAL = (NEXT - np.eye(N, k=-1)) / (2 * DX)
@@ -37,7 +37,7 @@ def measured(inlet, kappa):
     x, y = np.full(N, MEAN), []
     for w in inlet:
         y.append(x[SENSOR])
-        x = x + H * (forces(x, w) - kappa * HERE * x)
+        x = x + H * (forces(x, w) - kappa * C_POINT * x)
     return np.array(y)
 
 
@@ -51,8 +51,8 @@ def refined(inlet, y, delays=range(20, 61)):
     """kappa over the steps; the linear part is the flow about MEAN, which H~ is made of."""
     linear = NU * DIFFUSION - MEAN * CENTRAL
     model = RCMR(
-        A=np.eye(N) + H * linear, B=-H * HERE, D_1=H * np.eye(N), C=np.eye(N)[SENSOR], E_1=HERE,
-        delays=delays, method="direct", beta=1e4, x_0=np.full(N, MEAN),
+        A=np.eye(N) + H * linear, B=-H * C_POINT, D_1=H * np.eye(N), C=np.eye(N)[SENSOR],
+        E_1=C_POINT, delays=delays, method="direct", beta=1e4, x_0=np.full(N, MEAN),
     )  # fmt: skip
     refinement, kappa = ModelRefinement(model), []
     for k in range(len(y)):

@@ -83,14 +83,14 @@ def moved(k, x, u):
     return [x[0] + way * np.cos(x[2]), x[1] + way * np.sin(x[2]), x[2] + turn]
 
 
-def seen(k, x, u):
+def range_and_bearing(k, x, u):
     # As in the published program, the angle of each point is taken modulo 2 pi.
     distance = WALL - x[0] * np.cos(ANGLE) - x[1] * np.sin(ANGLE)
     return [distance, (x[2] - ANGLE) % (2 * np.pi)]
 
 
 def test_a_robot_locates_itself():
-    robot = NonlinearModel(moved, seen, n_x=3, l_y=2)
+    robot = NonlinearModel(moved, range_and_bearing, n_x=3, l_y=2)
     noises = {"Q": 0.01 * np.eye(3), "R": 1e-4 * np.eye(2)}
     settings = UKF(robot, **noises, x_0=np.zeros(3), P_0=0.01 * np.eye(3), alpha=3, beta=2)
     # The program moves first: nothing is measured at k = 0.

@@ -124,17 +124,17 @@ def test_the_bits_of_the_host_on_an_avr(tmp_path):
     """An Arduino Mega 2560."""
     export_controller(SETTINGS, tmp_path, real="float32", layout="arduino")
     (tmp_path / "run.c").write_text(RUN + AVR)
-    assert "0." in said_by_an_avr(tmp_path)
+    assert "0." in output_of_avr(tmp_path)
     # The positive control: an expected theta with another last digit.
     vector = tmp_path / "test" / "rcac_vector.h"
     head, theta = vector.read_text().split("rcac_vector_theta[")
     digits = re.search(r"= \{\s+([^\sf]+)f,", theta)[1]
     changed = np.nextafter(np.float32(digits), np.float32(np.inf))
     vector.write_text(f"{head}rcac_vector_theta[{theta.replace(digits, str(changed), 1)}")
-    assert "5." in said_by_an_avr(tmp_path)
+    assert "5." in output_of_avr(tmp_path)
 
 
-def said_by_an_avr(folder):
+def output_of_avr(folder):
     command = [
         "avr-gcc", "-std=gnu11", "-Os", "-mmcu=atmega2560", "-Wall", "-Wextra", "-Isrc", "-Itest",
         "run.c", "src/rcac.c", "-o", "run.elf",

@@ -39,18 +39,18 @@ def same(a, b):
     return np.asarray(a).tobytes() == np.asarray(b).tobytes()
 
 
-def unsupervised(given_settings):
+def unsupervised(controller):
     """What leaves the range of the numbers is an error, as it is in the core."""
-    return rn.Controller(given_settings, rn.Supervision("off"))
+    return rn.Controller(controller, rn.Supervision("off"))
 
 
 def hold_together(case, seed, steps=STEPS):
     """u, theta, the guard and the end of both; with a step that is refused in between."""
-    given_settings, plant = case
-    note(given_settings)
-    core = Core(core_tables(given_settings))
-    controller = unsupervised(given_settings)
-    loop = Loop(plant, given_settings.l_r, steps, seed)
+    exported, plant = case
+    note(exported)
+    core = Core(core_tables(exported))
+    controller = unsupervised(exported)
+    loop = Loop(plant, exported.l_r, steps, seed)
     guards = 0
     for k in range(steps):
         y, z, r = loop.signals(k)
@@ -161,12 +161,12 @@ def test_a_target_model_that_is_set_while_it_runs(past, denominator):
 @given(core_settings(strictly_proper=True), seeds)
 def test_what_an_actuator_left_of_u(case, seed):
     """One step later by rcac_correct, or within the step by rcac_adapt."""
-    given_settings, plant = case
-    tables = core_tables(given_settings)
+    exported, plant = case
+    tables = core_tables(exported)
     later = Core(tables)
     halves = later.another()
-    controller = unsupervised(given_settings)
-    loop = Loop(plant, given_settings.l_r, 60, seed)
+    controller = unsupervised(exported)
+    loop = Loop(plant, exported.l_r, 60, seed)
     applied = None
     for k in range(60):
         y, z, r = loop.signals(k)
@@ -183,7 +183,7 @@ def test_what_an_actuator_left_of_u(case, seed):
         halves.adapt(y, z, r, applied)
         assert same(u, expected) and same(u, early)
         assert same(later.theta, controller.theta)
-        if given_settings.form == "predictor":
+        if exported.form == "predictor":
             assert same(halves.theta, controller.theta) or not later.tables.strictly_proper
         loop.move(k, applied)
 

@@ -122,8 +122,8 @@ def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name):
 
 
 def fuzz(tmp_path, name, real, steps):
-    given_settings, more = FUZZED[name]
-    tables = core_tables(given_settings, **more)
+    controller, more = FUZZED[name]
+    tables = core_tables(controller, **more)
     tables = scaled(tables) if real == "float32" else tables
     (tmp_path / "rcac_config.h").write_text(config_header(tables, real))
     (tmp_path / "fuzz.c").write_text(FUZZER)
@@ -147,8 +147,8 @@ def fuzz(tmp_path, name, real, steps):
 @pytest.mark.costly
 def test_the_linked_image_holds_nothing_but_itself(tmp_path):
     """No heap, no libm, no exceptions: what the core needs of others is what compilers call."""
-    for number, (given_settings, more) in enumerate([FUZZED["iir"], FUZZED["rich"]]):
-        (tmp_path / "rcac_config.h").write_text(config_header(core_tables(given_settings, **more)))
+    for number, (controller, more) in enumerate([FUZZED["iir"], FUZZED["rich"]]):
+        (tmp_path / "rcac_config.h").write_text(config_header(core_tables(controller, **more)))
         for cc, standard in (("gcc", "c99"), ("g++", "c++17")):
             if shutil.which(cc) is None:
                 continue
@@ -178,8 +178,8 @@ def test_the_analyser_of_clang_finds_nothing(tmp_path, in_full):
         f"-I{tmp_path}", "-o", tmp_path / "out", tmp_path / "rcac.c",
     ]  # fmt: skip
     for name in FUZZED if in_full else ["iir"]:
-        given_settings, more = FUZZED[name]
-        config = config_header(core_tables(given_settings, **more))
+        controller, more = FUZZED[name]
+        config = config_header(core_tables(controller, **more))
         (tmp_path / "rcac_config.h").write_text(config)
         # The positive control: what is nowhere is read.
         broken = source.replace("*numerator = NUMERATOR(s)", "*numerator = NULL")
@@ -197,12 +197,12 @@ def test_float32_follows_float64(case, seed, cc):
 
     The measure is the same loop in float64 with w moved by one rounding of float32.
     """
-    given_settings, plant = case
+    controller, plant = case
     cc = cc if shutil.which(cc) else "gcc"
-    tables = core_tables(given_settings)
+    tables = core_tables(controller)
     cores = [Core(scaled(tables), "float32", cc=cc), Core(tables)]
     cores.append(cores[1].another())
-    loops = [Loop(plant, given_settings.l_r, 80, seed) for _ in cores]
+    loops = [Loop(plant, controller.l_r, 80, seed) for _ in cores]
     moved = 6e-8 * np.random.default_rng(seed).standard_normal(loops[2].w.shape)
     loops[2].w = loops[2].w * (1 + moved)
     largest, gaps = 1.0, np.zeros(2)

@@ -97,11 +97,11 @@ supervisions = st.builds(
 
 def hold_together(case, supervision, seed, strictly_proper, steps=150):
     """u, theta, the flags and the record of both, with samples that are missing."""
-    given_settings, plant = case
-    note((given_settings, supervision))
-    core = Core(core_tables(given_settings, supervision=supervision))
-    controller = Controller(given_settings, supervision)
-    rng, loop = np.random.default_rng(seed), Loop(plant, given_settings.l_r, steps, seed)
+    exported, plant = case
+    note((exported, supervision))
+    core = Core(core_tables(exported, supervision=supervision))
+    controller = Controller(exported, supervision)
+    rng, loop = np.random.default_rng(seed), Loop(plant, exported.l_r, steps, seed)
     applied, flags = None, []
     for k in range(steps):
         odds = 0.05 if k > 10 else 0.0
@@ -163,12 +163,12 @@ def test_many_settings(in_full):
 
 def test_every_trouble_is_noted():
     """Forgetting without excitation, then samples that are missing, too large, and not applied."""
-    given_settings = ControllerSettings(
+    exported = ControllerSettings(
         structure=iir(2), target=TargetModel([0, 1.0]), update=UD(1.0, lambda_=0.9), k_w=3
     )
     supervision = Supervision(growth=100.0, limit=50.0, patience=5)
-    core = Core(core_tables(given_settings, supervision=supervision))
-    controller = Controller(given_settings, supervision)
+    core = Core(core_tables(exported, supervision=supervision))
+    controller = Controller(exported, supervision)
     met, u = 0, np.zeros(1)
     for k in range(200):
         y = 0.0 if 20 < k < 120 else np.sin(k) if k < 150 else (-1.0) ** k

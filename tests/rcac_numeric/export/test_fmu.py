@@ -23,7 +23,7 @@ SETTINGS = rn.ControllerSettings(
     structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05), k_w=3
 )
 PLANT = rn.standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
-KEPT = rn.ControllerSettings(
+BOUNDED = rn.ControllerSettings(
     structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05),
     bounds=ellipsoid(1, 4, center=np.zeros(4)),
 )  # fmt: skip
@@ -87,7 +87,7 @@ class Slave:
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("settings", [SETTINGS, KEPT], ids=["free", "kept in an ellipsoid"])
+@pytest.mark.parametrize("settings", [SETTINGS, BOUNDED], ids=["free", "kept in an ellipsoid"])
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_a_closed_loop_with_the_digits_of_the_controller(tmp_path, version, settings):
     from fmpy.validation import validate_fmu

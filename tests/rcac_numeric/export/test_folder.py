@@ -139,14 +139,14 @@ def test_a_run_with_its_saturation(tmp_path):
 @settings(max_examples=20)
 @given(core_settings())
 def test_every_controller_of_the_core_has_a_vector(case):
-    given_settings, _ = case
+    controller, _ = case
     try:
-        result = recorded(given_settings, core_tables(given_settings))
+        result = recorded(controller, core_tables(controller))
     except DivergedError:
         return
     sizes = [a.shape for a in (result.y, result.z, result.r, result.u)]
-    widths = [given_settings.structure.l_y, given_settings.target.l_z, given_settings.l_r]
-    assert sizes == [(result.steps, width) for width in [*widths, given_settings.structure.l_u]]
+    widths = [controller.structure.l_y, controller.target.l_z, controller.l_r]
+    assert sizes == [(result.steps, width) for width in [*widths, controller.structure.l_u]]
     assert np.isfinite(result.u).all() and result.steps > 0
 
 

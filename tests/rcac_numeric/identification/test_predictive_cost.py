@@ -84,8 +84,8 @@ def test_the_steps_of_a_constant_model_are_its_compensator(size, seed, problem):
                 if i:
                     u[k] += compensator.past_u[i - 1] @ u[k - i]
         # An open loop may grow; the controller goes on from the same past.
-        found = steps.step(y[k], r[k] if settings.l_r else (), u[k - 1] if k else None)
-        assert np.allclose(found, u[k], rtol=1e-8, atol=1e-8 * (1 + abs(u[: k + 1]).max()))
+        control = steps.step(y[k], r[k] if settings.l_r else (), u[k - 1] if k else None)
+        assert np.allclose(control, u[k], rtol=1e-8, atol=1e-8 * (1 + abs(u[: k + 1]).max()))
 
 
 @given(SIZES, SEEDS)

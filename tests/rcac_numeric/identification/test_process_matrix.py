@@ -195,12 +195,12 @@ def test_unstable_plants_are_refused(kind, seed):
 @pytest.mark.parametrize("pole", [0.9, 1.0])
 def test_loops_of_stable_and_integrating_plants_have_no_unstable_root(pole):
     """By the level of the test: at most 5 % of them."""
-    found = 0
+    count = 0
     for seed in range(40):
         u, y = stabilised(seed, pole)
         record = joint_record(inputs_of(u, (0,)), y[:, 0], "y")
-        found += unstable_root(record, LIMIT) is not None
-    assert found <= binom.isf(1e-3, 40, 0.05)
+        count += unstable_root(record, LIMIT) is not None
+    assert count <= binom.isf(1e-3, 40, 0.05)
 
 
 @pytest.mark.costly

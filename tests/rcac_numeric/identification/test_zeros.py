@@ -58,14 +58,14 @@ def test_the_gradients_are_finite_differences(width, seed):
             assert gradient[index] == pytest.approx(numeric, rel=1e-4, abs=1e-4)
 
 
-def shows_the_zeros(found, plant):
+def shows_the_zeros(estimate, plant):
     """Whether what a noise-free window gives holds every zero of the plant, and says it closely.
 
     What rounding of y leaves open is what its own uncertainty says: no noise but that is in it.
     """
-    nearest = lambda zero: int(np.abs(found.zeros - zero).argmin())  # noqa: E731
-    within = all(found.contains(nearest(z), z, level=1 - 1e-9) for z in plant_zeros(plant))
-    return within and found.modulus_error.max() < 1e-4
+    nearest = lambda zero: int(np.abs(estimate.zeros - zero).argmin())  # noqa: E731
+    within = all(estimate.contains(nearest(z), z, level=1 - 1e-9) for z in plant_zeros(plant))
+    return within and estimate.modulus_error.max() < 1e-4
 
 
 def aircraft_error(plant, u, y):

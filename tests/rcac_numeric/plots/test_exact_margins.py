@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from compensator_theory import stability_margins
 from compensator_theory.errors import InputError
-from rcac_numeric.plots._style import SECOND, WANTED
+from rcac_numeric.plots._style import REQUESTED, SECOND
 
 LOOPS = {
     "10/(s*(s + 1)*(s + 5))": control.tf([10], [1, 6, 5, 0]),
@@ -45,7 +45,7 @@ def test_marked_margins_are_those_of_python_control(text):
     ((w, (low, high)),) = [
         line.get_data()
         for line in phase.lines
-        if line.get_color() == WANTED and len(line.get_xdata()) == 2
+        if line.get_color() == REQUESTED and len(line.get_xdata()) == 2
     ]
     assert abs(w[0] - at_gain) < 1e-6
     # the curve is drawn through 6000 points, between which it is straight

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from compensator_theory import root_locus
 from compensator_theory.errors import InputError
-from rcac_numeric.plots._style import WANTED
+from rcac_numeric.plots._style import REQUESTED
 
 PLANTS = (
     "1/(s*(s + 4)*(s**2 + 4*s + 20))",
@@ -63,7 +63,7 @@ def test_marked_crossings_lie_on_the_boundary_and_on_branches(plant):
     marked = [
         x + 1j * y
         for line in axis.lines
-        if line.get_marker() == "s" and line.get_markeredgecolor() == WANTED
+        if line.get_marker() == "s" and line.get_markeredgecolor() == REQUESTED
         for x, y in zip(line.get_xdata(), line.get_ydata(), strict=True)
     ]
     positive = [

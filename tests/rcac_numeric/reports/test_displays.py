@@ -41,8 +41,8 @@ def test_what_a_method_imports_makes_what_it_answers(module, kind, method, home,
     """One import, of a function that makes a sheet or a figure of that class."""
     shows = getattr(import_module(home), function)
     hints = get_type_hints(shows)
-    made = hints.pop("return")
-    assert made is Sheet if method == "_sheet" else "Figure" in str(made)
+    result = hints.pop("return")
+    assert result is Sheet if method == "_sheet" else "Figure" in str(result)
     assert kind in str(next(iter(hints.values()))) and getattr(import_module(module), kind)
 
 

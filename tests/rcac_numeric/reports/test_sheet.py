@@ -44,16 +44,16 @@ def test_json_is_strict_and_loses_only_what_json_lacks(record):
     assert same(record, loaded)
 
 
-def same(given, found):
-    if isinstance(given, complex):
-        return same([given.real, given.imag], found)
-    if isinstance(given, float):
-        return found == given if math.isfinite(given) else found is None
-    if isinstance(given, dict):
-        return given.keys() == found.keys() and all(same(given[k], found[k]) for k in given)
-    if isinstance(given, list):
-        return len(given) == len(found) and all(map(same, given, found))
-    return given == found and type(given) is type(found)
+def same(value, loaded):
+    if isinstance(value, complex):
+        return same([value.real, value.imag], loaded)
+    if isinstance(value, float):
+        return loaded == value if math.isfinite(value) else loaded is None
+    if isinstance(value, dict):
+        return value.keys() == loaded.keys() and all(same(value[k], loaded[k]) for k in value)
+    if isinstance(value, list):
+        return len(value) == len(loaded) and all(map(same, value, loaded))
+    return value == loaded and type(value) is type(loaded)
 
 
 def test_arrays_become_lists_and_foreign_things_are_a_defect():

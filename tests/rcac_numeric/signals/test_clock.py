@@ -23,21 +23,21 @@ PERIODS = st.sampled_from([0.001, 0.004, 0.02, 0.1, 1 / 3, 1.0, 7.5, 60.0])
 
 def lost(rng, steps, share):
     """Rows of a log that lost some, the first and the last one kept."""
-    kept = rng.random(steps) >= share
-    kept[[0, 1, -1]] = True
-    return kept
+    is_present = rng.random(steps) >= share
+    is_present[[0, 1, -1]] = True
+    return is_present
 
 
 @given(seeds, PERIODS, st.integers(30, 400), st.floats(0, 0.4), st.floats(0, 0.1))
 def test_the_steps_of_a_log_with_gaps_and_jitter(seed, period, steps, share, jitter):
     rng = np.random.default_rng(seed)
-    kept = lost(rng, steps, share)
+    is_present = lost(rng, steps, share)
     times = period * (np.arange(steps) + jitter * rng.uniform(-1, 1, steps))
-    clock = clock_of(times[kept] + 5, "t")
+    clock = clock_of(times[is_present] + 5, "t")
     assert clock.is_regular, clock.problem
-    assert np.array_equal(clock.step_of_row, np.flatnonzero(kept))
+    assert np.array_equal(clock.step_of_row, np.flatnonzero(is_present))
     assert clock.sample_time == pytest.approx(period, rel=1e-6 + 4 * jitter / steps)
-    assert clock.missing == np.count_nonzero(~kept)
+    assert clock.missing == np.count_nonzero(~is_present)
     assert clock.jitter <= 2 * jitter + 1e-6 + 8 * jitter / steps * clock.longest_gap
 
 
@@ -79,22 +79,24 @@ def record(steps=400, seed=0):
 
 def test_gaps_become_missing_rows_and_are_named():
     u, y = record()
-    kept = lost(np.random.default_rng(1), len(u), 0.2)
-    log = read_log({"t": 0.1 * np.flatnonzero(kept), "u": u[kept], "y": y[kept]})
+    is_present = lost(np.random.default_rng(1), len(u), 0.2)
+    log = read_log({"t": 0.1 * np.flatnonzero(is_present), "u": u[is_present], "y": y[is_present]})
     assert log.steps == len(u) and log.sample_time == 0.1
-    assert np.array_equal(log.missing, ~kept)
-    assert np.array_equal(log.y[kept, 0], y[kept]) and np.isnan(log.y[~kept]).all()
+    assert np.array_equal(log.missing, ~is_present)
+    assert (
+        np.array_equal(log.y[is_present, 0], y[is_present]) and np.isnan(log.y[~is_present]).all()
+    )
     assert "rows are missing" in log.clock
 
 
 def test_resampling_fills_gaps_and_states_its_error():
     u, y = record()
-    kept = lost(np.random.default_rng(2), len(u), 0.2)
-    table = {"t": 0.1 * np.flatnonzero(kept), "u": u[kept], "y": y[kept]}
+    is_present = lost(np.random.default_rng(2), len(u), 0.2)
+    table = {"t": 0.1 * np.flatnonzero(is_present), "u": u[is_present], "y": y[is_present]}
     log = read_log(table, resample=0.1)
     assert log.steps == len(u) and not log.missing.any() and log.sample_time == 0.1
-    assert np.allclose(log.y[kept, 0], y[kept], atol=1e-9)
-    error = np.sqrt(np.mean((log.y[:, 0] - y)[~kept] ** 2)) / y.std()
+    assert np.allclose(log.y[is_present, 0], y[is_present], atol=1e-9)
+    error = np.sqrt(np.mean((log.y[:, 0] - y)[~is_present] ** 2)) / y.std()
     stated = float(log.notes[1].split("error of ")[1].split("%")[0]) / 100
     assert error <= stated < 1
 
@@ -124,21 +126,21 @@ def test_topics_of_two_rates(tmp_path):
     """y every 8 ms, u and theta every 4 ms with a fifth of the messages lost."""
     rng, steps = np.random.default_rng(4), 400
     t = 1_000_000 + 4000 * np.arange(steps)
-    kept = lost(rng, steps, 0.2)
+    is_present = lost(rng, steps, 0.2)
     u, y = rng.standard_normal((2, steps)).astype("f4")
     theta = rng.standard_normal((steps, 6)).astype("f4")
-    control = {"timestamp": t[kept], "u": u[kept], "theta": theta[kept]}
+    control = {"timestamp": t[is_present], "u": u[is_present], "theta": theta[is_present]}
     path = tmp_path / "log.ulg"
     path.write_bytes(ulog({"control": control, "sensor": {"timestamp": t[::2] + 300, "y": y[::2]}},
                           dropouts=[120, 40]))  # fmt: skip
     contents = inspect_log(path)
     assert contents.clocks["control"].sample_time == 0.004
-    assert contents.clocks["control"].missing == np.count_nonzero(~kept)
+    assert contents.clocks["control"].missing == np.count_nonzero(~is_present)
     assert any("2 dropouts of 0.16 s" in note for note in contents.notes)
     log = read_log(path)
     assert log.sample_time == 0.008 and log.steps == steps // 2
     assert np.allclose(log.y[:, 0], y[::2])
-    has_value = kept[::2]
+    has_value = is_present[::2]
     assert np.array_equal(log.missing, ~has_value)
     assert np.allclose(log.u[has_value, 0], u[::2][has_value])
     assert np.allclose(log.theta[has_value], theta[::2][has_value])

@@ -30,18 +30,18 @@ BEGIN = datetime(2024, 1, 31, 23, 59, 59)  # the stamps go over midnight and int
 LOGS = {}
 
 
-def log(program, what, suffix=".csv", *, period=0.1, tolerance=1e-12, **options):
+def log(program, name, suffix=".csv", *, period=0.1, tolerance=1e-12, **options):
     """Put a writer of (path) into the table, with the options of `read_log`."""
 
     def put(write):
-        LOGS[f"{program}: {what}"] = (write, suffix, period, tolerance, options)
+        LOGS[f"{program}: {name}"] = (write, suffix, period, tolerance, options)
         return write
 
     return put
 
 
-def text(what, contents, suffix=".csv", encoding="utf-8", program="text", **options):
-    log(program, what, suffix, **options)(lambda path: path.write_bytes(contents.encode(encoding)))
+def text(name, contents, suffix=".csv", encoding="utf-8", program="text", **options):
+    log(program, name, suffix, **options)(lambda path: path.write_bytes(contents.encode(encoding)))
 
 
 def rows(separator=",", form=repr, end="", columns=(T, U, Y)):

@@ -41,7 +41,7 @@ def numerator(words):
     return f"({words})*(q - 1/3)/7"
 
 
-def made_of_a_plant():
+def constructors():
     """The public functions that make a target model of a plant."""
     result = {}
     for name, one in public_objects("rcac_numeric").items():
@@ -58,7 +58,7 @@ def made_of_a_plant():
     return result
 
 
-MADE = made_of_a_plant()
+CONSTRUCTORS = constructors()
 
 
 def plant(kind, words):
@@ -67,12 +67,12 @@ def plant(kind, words):
 
 
 def test_the_known_ones_are_walked():
-    assert {"fir_target", "pole_placement_target", "markov_target"} <= set(MADE)
-    assert set(BESIDES) <= set(MADE)
+    assert {"fir_target", "pole_placement_target", "markov_target"} <= set(CONSTRUCTORS)
+    assert set(BESIDES) <= set(CONSTRUCTORS)
 
 
 @pytest.mark.parametrize("kind", PLANTS)
-@pytest.mark.parametrize("name", sorted(MADE))
+@pytest.mark.parametrize("name", sorted(CONSTRUCTORS))
 def test_no_coefficient_was_a_decimal_on_the_way(name, kind):
     """No fraction of the plant has a factor of 5 in it; digits would bring it in."""
     refused = {
@@ -84,9 +84,9 @@ def test_no_coefficient_was_a_decimal_on_the_way(name, kind):
     for label, words in OUTSIDE.items():
         if label in refused:
             with pytest.raises(CompensatorError):
-                MADE[name](plant(kind, words), *BESIDES.get(name, ()))
+                CONSTRUCTORS[name](plant(kind, words), *BESIDES.get(name, ()))
             continue
-        target = MADE[name](plant(kind, words), *BESIDES.get(name, ()))
+        target = CONSTRUCTORS[name](plant(kind, words), *BESIDES.get(name, ()))
         assert target.exact is not None
         for side in (target.exact.numerator, target.exact.denominator):
             for c in side.all_coeffs():
@@ -98,8 +98,8 @@ def test_no_coefficient_was_a_decimal_on_the_way(name, kind):
 @pytest.mark.parametrize("words", OUTSIDE.values(), ids=OUTSIDE)
 def test_the_target_of_a_plant_has_an_exact_prediction_for_it(name, kind, words):
     one = plant(kind, words)
-    target = MADE[name](one, *BESIDES.get(name, ()))
-    again = MADE[name](modelling_information(one), *BESIDES.get(name, ()))
+    target = CONSTRUCTORS[name](one, *BESIDES.get(name, ()))
+    again = CONSTRUCTORS[name](modelling_information(one), *BESIDES.get(name, ()))
     assert again == target and again.exact == target.exact
     n_c = one.n
     zero = Compensator(past_u=np.zeros((n_c, 1, 1)), past_y=np.zeros((n_c + 1, 1, 1)))

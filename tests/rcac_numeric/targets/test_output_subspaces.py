@@ -25,10 +25,10 @@ def pencil_zeros(plant, W=None):
     return alpha[finite] / beta[finite]
 
 
-def assert_same_roots(found, expected, tolerance):
-    assert len(found) == len(expected)
+def assert_same_roots(roots, expected, tolerance):
+    assert len(roots) == len(expected)
     rest = list(expected)
-    for zero in found:
+    for zero in roots:
         nearest = min(rest, key=lambda other: abs(other - zero))
         assert abs(nearest - zero) < tolerance
         rest.remove(nearest)
