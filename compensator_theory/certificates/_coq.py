@@ -322,21 +322,21 @@ class _CoqFile:
         else:
             checker, theorem, signed = "vanishes", "certified_equation", left
         quotients, scale = self._quotients(signed)
-        given, names = self._denominators(terms), self._names(terms)
-        arguments = f"{given} {'modulus' if self.modulus else '[::]'} ({scale})%Z {quotients}"
+        divisors, names = self._denominators(terms), self._names(terms)
+        arguments = f"{divisors} {'modulus' if self.modulus else '[::]'} ({scale})%Z {quotients}"
         check = f"{name}_check"
         root = "polynomial_at values modulus = 0%R" if self.modulus else ""
         statement = f"{self._sum(left)} = {self._sum(right) if right else '0'}"
         text = self._computed(check, f"{checker} {arguments}\n  {' '.join(expressions)}")
-        text += self._over_fields(name, given, names, statement, root)
+        text += self._over_fields(name, divisors, names, statement, root)
         hypotheses = (
-            ["char0"] + (["nonzero"] if given != "[::]" else []) + (["root"] if root else [])
+            ["char0"] + (["nonzero"] if divisors != "[::]" else []) + (["root"] if root else [])
         )
-        nonzero = "nonzero" if given != "[::]" else "isT"
+        nonzero = "nonzero" if divisors != "[::]" else "isT"
         zero = "root" if root else "(big_nil _ _ _ _)"
         text += (
-            f"Proof. by move=> {' '.join(hypotheses)}; exact: ({theorem} char0 (given := {given}) "
-            f"{nonzero} {zero} {check}). Qed.\n"
+            f"Proof. by move=> {' '.join(hypotheses)}; exact: ({theorem} char0 "
+            f"(given := {divisors}) {nonzero} {zero} {check}). Qed.\n"
         )
         words = f"{_words(left)} = {_words(right) if right else '0'}"
         return name, words, text
@@ -352,11 +352,11 @@ class _CoqFile:
             by_power.setdefault(e[0] if e else 0, []).append((c, e[1:]))
         size = self.matrices[terms[0][1][0].rstrip("'")].rows
         coefficients = _list(_polynomial(by_power.get(k, [])) for k in range(size - 1, -1, -1))
-        given = self._denominators([*terms, [1, [of]]])
+        divisors = self._denominators([*terms, [1, [of]]])
         lead = _polynomial([(c, e[1:]) for c, e in matrix.over])
         text = self._computed(
             check,
-            f"has_spectrum {given} {self._expression(terms)}\n"
+            f"has_spectrum {divisors} {self._expression(terms)}\n"
             f"  {self.idents[of]} {lead} {coefficients}",
         )
         statement = f"(char_poly ({self._sum(terms)})).[{self._first}] = {self.idents[of]} 0 0"
@@ -370,18 +370,18 @@ class _CoqFile:
             f"  {_CHARACTERISTIC_0} ->\n"
         )
         moved = "char0"
-        if given != "[::]":
-            text += f"  nonzero_at values_0 {given} -> nonzero_at values {given} ->\n"
+        if divisors != "[::]":
+            text += f"  nonzero_at values_0 {divisors} -> nonzero_at values {divisors} ->\n"
             moved += " nonzero_0 nonzero"
         lets = "".join(
             f"  let {self.idents[n]} := at_ values_0 {self.idents[n]} in\n" for n in names
         )
         lets += f"  let {self.idents[of]} := at_ values {self.idents[of]} in\n"
         text += f"{lets}  ({statement})%R.\n"
-        given_proofs = "nonzero_0 nonzero" if given != "[::]" else "isT isT"
+        premises = "nonzero_0 nonzero" if divisors != "[::]" else "isT isT"
         text += (
-            f"Proof. by move=> {moved}; exact: (certified_spectrum char0 (given := {given}) "
-            f"{given_proofs} {check}). Qed.\n"
+            f"Proof. by move=> {moved}; exact: (certified_spectrum char0 (given := {divisors}) "
+            f"{premises} {check}). Qed.\n"
         )
         return name, f"det({self.symbols[0]} I - ({_words(terms)})) = {of}", text
 
@@ -395,17 +395,17 @@ class _CoqFile:
         )
         d = _from_element(determinant)
         is_number = all(not any(e) for _, e in d)
-        given = self._denominators([[1, [name]]], [] if is_number else [f"{ident}_determinant"])
+        divisors = self._denominators([[1, [name]]], [] if is_number else [f"{ident}_determinant"])
         text = f"Definition {ident}_determinant : polynomial := {_polynomial(d)}.\n"
         rows = _list(_list(_polynomial(_from_element(e)) for e in row) for row in adjugate)
         text += self._computed(
-            f"regular_{ident}_check", f"is_regular {given} {rows}\n  {ident}_determinant {ident}"
+            f"regular_{ident}_check", f"is_regular {divisors} {rows}\n  {ident}_determinant {ident}"
         )
-        text += self._over_fields(f"regular_{ident}", given, [name], f"{ident} \\in unitmx", "")
-        nonzero = "nonzero" if given != "[::]" else "isT"
-        moved = "char0 nonzero" if given != "[::]" else "char0"
+        text += self._over_fields(f"regular_{ident}", divisors, [name], f"{ident} \\in unitmx", "")
+        nonzero = "nonzero" if divisors != "[::]" else "isT"
+        moved = "char0 nonzero" if divisors != "[::]" else "char0"
         text += (
-            f"Proof. by move=> {moved}; exact: (certified_regular char0 (given := {given}) "
+            f"Proof. by move=> {moved}; exact: (certified_regular char0 (given := {divisors}) "
             f"{nonzero} regular_{ident}_check). Qed.\n"
         )
         words = f"{name} is invertible"
@@ -484,7 +484,7 @@ class _CoqFile:
         return self._bound[0]
 
     def _over_fields(
-        self, name: str, given: str, names: Sequence[str], statement: str, root: str
+        self, name: str, divisors: str, names: Sequence[str], statement: str, root: str
     ) -> str:
         """Return the statement of a theorem over fields of characteristic 0, up to its proof."""
         bound = [v for v, used in zip(self._bound, self.used, strict=True) if used]
@@ -495,8 +495,8 @@ class _CoqFile:
             f"Theorem {name} (Field : fieldType){quantified} (values := {vector} : seq Field) :\n"
         )
         text += f"  {_CHARACTERISTIC_0} ->\n"
-        if given != "[::]":
-            text += f"  nonzero_at values {given} ->\n"
+        if divisors != "[::]":
+            text += f"  nonzero_at values {divisors} ->\n"
         if root:
             text += f"  {root} ->\n"
         for n in dict.fromkeys(names):
@@ -508,11 +508,11 @@ class _CoqFile:
 
     def _denominators(self, terms: Sum, more: Iterable[str] = ()) -> str:
         """List the denominators that are no numbers."""
-        listed, seen = [], []
+        listed, unique = [], []
         for name in self._names(terms):
             over = self.matrices[name].over
-            if any(any(e) for _, e in over) and over not in seen:
-                seen.append(over)
+            if any(any(e) for _, e in over) and over not in unique:
+                unique.append(over)
                 listed.append(f"{self.idents[name]}_over")
         return _list([*listed, *more])
 
@@ -570,10 +570,10 @@ class _CoqFile:
         return result
 
 
-def _identifiers(names: Iterable[str], taken: frozenset[str]) -> dict[str, str]:
+def _identifiers(names: Iterable[str], reserved: frozenset[str]) -> dict[str, str]:
     """Return different identifiers of Coq for names."""
     result: dict[str, str] = {}
-    used = {*taken, *_RESERVED.split()}
+    used = {*reserved, *_RESERVED.split()}
     for name in names:
         ident = re.sub(r"\W", "_", name, flags=re.ASCII).strip("_") or "x"
         ident = ident if ident[0].isalpha() else f"x{ident}"

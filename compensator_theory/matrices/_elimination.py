@@ -20,7 +20,7 @@ class Elimination:
 
     Attributes
     ----------
-    given : list of lists
+    entries : list of lists
         M.
     matrix : list of lists
         U M V.
@@ -31,7 +31,7 @@ class Elimination:
     """
 
     def __init__(self, ring: Ring, matrix: Grid) -> None:
-        self.ring, self.given = ring, matrix
+        self.ring, self.entries = ring, matrix
         self.matrix = [list(row) for row in matrix]
         self.rows, self.columns = len(matrix), len(matrix[0])
         self.U, self.U_inverse = identity(ring, self.rows), identity(ring, self.rows)
@@ -40,7 +40,7 @@ class Elimination:
 
     def transpose(self) -> None:
         """Exchange the roles of rows and columns: (U M V)' = V' M' U'."""
-        self.given, self.matrix = _transposed(self.given), _transposed(self.matrix)
+        self.entries, self.matrix = _transposed(self.entries), _transposed(self.matrix)
         self.rows, self.columns = self.columns, self.rows
         self.U, self.V = _transposed(self.V), _transposed(self.U)
         self.U_inverse, self.V_inverse = _transposed(self.V_inverse), _transposed(self.U_inverse)

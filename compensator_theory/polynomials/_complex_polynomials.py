@@ -68,10 +68,10 @@ def over_gaussian_rationals(obj: Any, variable: str | Symbol | None) -> tuple[Po
         top, bottom = (exact_number(side) for side in obj)
         expression = top / bottom
     else:
-        given = _expression(obj)
-        if given is None:
+        parsed = _expression(obj)
+        if parsed is None:
             return None
-        expression = given
+        expression = parsed
     if not expression.has(sympy.I):
         return None
     s = shared_variable([expression], variable)

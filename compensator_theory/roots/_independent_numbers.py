@@ -272,13 +272,13 @@ def independent_numbers(
     tangents: dict[Symbol, Expr] = {}
     written: list[list[Expr]] = []
     for expressions, meaning in parts:
-        own = {x: value for x, value in meaning if not isinstance(value, sympy.exp)}
-        if own and tangents and own != tangents:
+        values = {x: value for x, value in meaning if not isinstance(value, sympy.exp)}
+        if values and tangents and values != tangents:
             raise InputError(
                 "two sampled plants have different frequencies, and no test decides whether their "
                 "tangents are independent; give one of them with rational numbers close to its own"
             )
-        tangents |= own
+        tangents |= values
         known = {x: value for x, value in meaning if isinstance(value, sympy.exp)}
         written.append([e.xreplace(known) for e in expressions])
     allowed = set(variables) | set(tangents)

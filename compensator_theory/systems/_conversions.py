@@ -87,8 +87,8 @@ def scalar_of(source: Description, variable: str | Symbol | None) -> TransferFun
             return _from_quotient(source, variable)
         case Poly():
             return TransferFunction(polynomial(source, variable), polynomial(1, source.gen))
-        case Pair(numerator, denominator, own, period):
-            symbol = variable if own is None else own
+        case Pair(numerator, denominator, letter, period):
+            symbol = variable if letter is None else letter
             top, bottom = in_one_variable(numerator, denominator, variable=symbol)
             return TransferFunction(top, bottom, sample_time=period)
         case Roots():

@@ -51,14 +51,14 @@ class Code:
         Layout counts for nothing; docstrings count, since they are the statements.
         """
         sources: dict[str, str] = {}
-        waiting, seen = [(module, name)], set()
+        waiting, visited = [(module, name)], set()
         while waiting:
             where, definition = waiting.pop()
             read = self.module(where)
             key = f"{where}.{definition}"
-            if read is None or where.startswith(_RUNNERS) or key in seen:
+            if read is None or where.startswith(_RUNNERS) or key in visited:
                 continue
-            seen.add(key)
+            visited.add(key)
             if definition in read.imported:
                 source, name = read.imported[definition]
                 sources[key] = f"from {source} import {name}"
@@ -87,11 +87,11 @@ class Code:
 
     def intrusions(self) -> list[str]:
         """List the statements of modules that change what is not theirs."""
-        found = []
+        sentences = []
         for name in self.modules():
             read = self.module(name)
-            found += [f"{name}, line {line}" for line in (read.intrusions if read else ())]
-        return found
+            sentences += [f"{name}, line {line}" for line in (read.intrusions if read else ())]
+        return sentences
 
     def digest(self, module: str, name: str) -> str:
         """Return the digest of a closure; that of nothing where there is no such definition."""

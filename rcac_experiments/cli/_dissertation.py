@@ -121,7 +121,7 @@ def _sheet(reproduction: Reproduction, archive: Path | None) -> Sheet:
 
 
 def _verdicts(case: Case) -> str:
-    return _words(Counter(row.verdict for row in case.claims if row.whose != OURS))
+    return _words(Counter(row.verdict for row in case.claims if row.owner != OURS))
 
 
 def _words(count: Counter[str]) -> str:

@@ -132,14 +132,14 @@ def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:
     order = (REPRODUCED, MISPRINT, DEPENDS, UNDETERMINED, NOT_REPRODUCED)
     for case in cases:
         for row in case.claims:
-            if row.whose in (TEXT, READING):
-                key = (case.id, row.whose, row.quote, row.place)
+            if row.owner in (TEXT, READING):
+                key = (case.id, row.owner, row.quote, row.place)
                 old = worst.get(key)
                 if old is None or order.index(row.verdict) > order.index(old.verdict):
                     worst[key] = row
     count = {owner: Counter[str]() for owner in (TEXT, READING)}
     for row in worst.values():
-        count[row.whose][row.verdict] += 1
+        count[row.owner][row.verdict] += 1
     return count
 
 

@@ -418,16 +418,16 @@ class ExactResult(Value):
     check : ExactCheck
     holds : bool or None
         None where it is undecided.
-    found : str
+    result : str
         In words.
-    silence : str
+    missing_reason : str
         Empty: an exact decision has an answer.
     """
 
     check: ExactCheck
     holds: bool | None
-    found: str
+    result: str
     missing_reason: str = ""
 
     def __str__(self) -> str:
-        return self.found
+        return self.result

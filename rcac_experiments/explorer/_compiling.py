@@ -49,7 +49,7 @@ FLAGS = (
     "-ffp-contract=off", "-Wl,--no-entry,--strip-all,-z,stack-size=16384",
     f"-DEXPLORER_STEPS={LARGEST_STEPS}",
 )  # fmt: skip
-MODULES = [(n_c, kept) for kept in (False, True) for n_c in range(1, LARGEST_N_C + 1)]
+MODULES = [(n_c, bounded) for bounded in (False, True) for n_c in range(1, LARGEST_N_C + 1)]
 SOURCES = {
     "rcac.c": "rcac.c",
     "rcac.h": "rcac.h",
@@ -77,7 +77,7 @@ def sources(n_c: int, *, in_ellipsoid: bool = False) -> dict[str, str]:
 
 def digest() -> str:
     """SHA-256 of the sources of all modules and of the compiler's flags."""
-    texts = [sources(n_c, in_ellipsoid=kept) for n_c, kept in MODULES]
+    texts = [sources(n_c, in_ellipsoid=bounded) for n_c, bounded in MODULES]
     return hashlib.sha256(json.dumps([FLAGS, texts]).encode()).hexdigest()
 
 
@@ -108,7 +108,7 @@ def compiled(n_c: int, *, in_ellipsoid: bool = False) -> bytes:
 def data() -> str:
     """The text of `modules.json`."""
     version = compiler_version()
-    codes = [compiled(n_c, in_ellipsoid=kept) for n_c, kept in MODULES]
+    codes = [compiled(n_c, in_ellipsoid=bounded) for n_c, bounded in MODULES]
     table = {
         "compiler": version,
         "sources": digest(),

@@ -22,7 +22,7 @@ from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plots._axes import legend_below
 from rcac_numeric.plots._library import Axes, Figure
-from rcac_numeric.plots._style import DASHES, INK, WANTED, label_words, line_style
+from rcac_numeric.plots._style import DASHES, INK, REQUESTED, label_words, line_style
 
 POINTS = 1000
 
@@ -51,7 +51,7 @@ def draw_disturbance_response(figure: Figure, results: Results, request: FigureR
     designs = request.designs or (intensities,)
     for index, noise in enumerate(designs):
         name = "LQG" if len(designs) == 1 else f"LQG, {_words(noise)}"
-        curve(name, partial(_best, plant, noise), color=WANTED, linewidth=4 - index,
+        curve(name, partial(_best, plant, noise), color=REQUESTED, linewidth=4 - index,
               alpha=0.6, linestyle=DASHES[index % len(DASHES)])  # fmt: skip
     for index, (name, result) in enumerate(results.items()):
         loops = partial(_loops, result)
@@ -83,7 +83,7 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
         match = matches[0]
         if not any(np.array_equal(match.target, other.target) for other in requested):
             label = "$G_f$" if not requested else f"$G_f$ of {shortened(name, 40)}"
-            above.semilogy(match.omega, _norm(match.target), color=WANTED, linewidth=4,
+            above.semilogy(match.omega, _norm(match.target), color=REQUESTED, linewidth=4,
                            alpha=0.4, label=label,
                            linestyle=DASHES[len(requested) % len(DASHES)])  # fmt: skip
             requested.append(match)

@@ -14,7 +14,7 @@ from rcac_numeric.plants._schedules import PlantSchedule, plant_at
 from rcac_numeric.plants.gallery._zeros import plant_zeros
 from rcac_numeric.plots._library import Figure
 from rcac_numeric.plots._plants import FARTHEST, draw_moduli, draw_zeros
-from rcac_numeric.plots._style import WANTED, draw_circle
+from rcac_numeric.plots._style import REQUESTED, draw_circle
 
 FROZEN = 81  # steps at which the zeros of a plant that changes are found
 
@@ -50,7 +50,7 @@ def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: Figu
                 axis.errorbar(
                     np.full(len(size), (window.start + window.stop) / 2), size,
                     yerr=np.minimum(1.96 * window.zeros.modulus_error, FARTHEST),
-                    fmt="o", mfc="none", color=WANTED, ms=5, linewidth=0.8,
+                    fmt="o", mfc="none", color=REQUESTED, ms=5, linewidth=0.8,
                 )  # fmt: skip
         refused = sum(window.zeros is None for window in windows)
         note = f"; {refused} of {len(windows)} windows refused" if refused else ""
@@ -69,7 +69,7 @@ def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
         zeros = plant_zeros(plant_at(run.plant, 0))
         draw_circle(axis)
         near = zeros[np.abs(zeros) <= FARTHEST]
-        axis.plot(near.real, near.imag, "o", mfc="none", mec=WANTED, ms=7, label="zeros")
+        axis.plot(near.real, near.imag, "o", mfc="none", mec=REQUESTED, ms=7, label="zeros")
         axis.set(xlabel="real", ylabel="imaginary")
         axis.set_aspect("equal", adjustable="datalim")
         moduli = ", ".join(f"{size:.4g}" for size in np.abs(zeros))

@@ -10,7 +10,7 @@ from compensator_theory.errors import InputError
 from rcac_experiments.sweeps._statistics import SweepSummary
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.plots._library import Axes, Figure
-from rcac_numeric.plots._style import REACHED, WANTED
+from rcac_numeric.plots._style import REACHED, REQUESTED
 
 FEW = 4  # values of an axis of a map that a legend can name
 
@@ -48,7 +48,7 @@ def _draw_line(axis: Axes, summary: SweepSummary, name: str) -> None:
     columns = {key: values[order] for key, values in summary.columns.items()}
     if name == "share":
         low, high = columns["share_low"], columns["share_high"]
-        colour = WANTED
+        colour = REQUESTED
         axis.set_ylim(-0.03, 1.03)
     else:
         ends = [columns[f"q{q:g}"] for q in (min(summary.quantiles), max(summary.quantiles))]

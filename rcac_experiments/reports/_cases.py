@@ -29,7 +29,7 @@ class ClaimRow(Value):
 
     Attributes
     ----------
-    whose : str
+    owner : str
         A key of `judging.claim.CLASSES`.
     quote, place, reading, text : str
         The words of the source and where they stand, how they are read, and what is checked.
@@ -42,7 +42,7 @@ class ClaimRow(Value):
         one came out.
     """
 
-    whose: str
+    owner: str
     quote: str
     place: str
     reading: str
@@ -155,7 +155,7 @@ def _row(verdict: Verdict) -> ClaimRow:
     claim = verdict.claim
     corrected = [("misprint", claim.misprint), ("chosen", claim.completion)]
     return ClaimRow(
-        whose=claim.owner,
+        owner=claim.owner,
         quote=claim.quote,
         place=claim.place,
         reading=claim.reading,

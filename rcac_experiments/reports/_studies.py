@@ -191,7 +191,7 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
     if replayed.stored_error:
         facts.append(Fact("recorded error", replayed.stored_error, "bad"))
     rows = [
-        cells(name, _number(replayed.stored[name]), _number(replayed.found[name]))
+        cells(name, _number(replayed.stored[name]), _number(replayed.repeated[name]))
         for name in replayed.stored
     ]
     if rows:
@@ -205,7 +205,7 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
         "is_identical": replayed.is_identical,
         "differences": replayed.differences,
         "stored": replayed.stored,
-        "found": replayed.found,
+        "repeated": replayed.repeated,
         "theta_final": run.theta_final,
         **health_record(health),
     }

@@ -28,7 +28,8 @@ def tuned_sheet(tuned: Tuned) -> Sheet:
             "lambda")  # fmt: skip
     record = [
         {"name": one.name, "rounds": one.rounds, "ratio": one.beside.ratio, "Ms": one.Ms,
-         "stable": list(one.beside.stable), "knobs": asdict(one.knobs) if one.knobs else None}
+         "stable": list(one.beside.stable),
+         "parameters": asdict(one.parameters) if one.parameters else None}
         for one in ranked
     ]  # fmt: skip
     candidates = Section(
@@ -47,11 +48,11 @@ def tuned_sheet(tuned: Tuned) -> Sheet:
 
 
 def _candidate(one: Candidate) -> tuple[str, ...]:
-    (k, n), knobs = one.beside.stable, one.knobs
+    (k, n), parameters = one.beside.stable, one.parameters
     row = (one.name, str(one.rounds), f"{one.beside.ratio:.3g}", f"{n - k} of {n}",
              f"{one.Ms:.3g}")  # fmt: skip
-    if knobs is None:
+    if parameters is None:
         return *row, "", "", "", "", ""
-    samples = "default" if knobs.samples is None else f"{knobs.samples:.3g}"
-    return (*row, samples, f"{knobs.nu:.3g}", f"{knobs.width:.3g}", str(knobs.spare),
-            f"{knobs.forgetting:.6g}")  # fmt: skip
+    samples = "default" if parameters.samples is None else f"{parameters.samples:.3g}"
+    return (*row, samples, f"{parameters.nu:.3g}", f"{parameters.width:.3g}", str(parameters.spare),
+            f"{parameters.forgetting:.6g}")  # fmt: skip

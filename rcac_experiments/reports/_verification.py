@@ -150,7 +150,7 @@ def claim_record(v: Verdict) -> dict[str, Any]:
     """Return a claim, its measured values and its verdict as a JSON object."""
     claim = v.claim
     return {
-        "whose": claim.owner,
+        "owner": claim.owner,
         "quote": claim.quote or None,
         "place": claim.place or None,
         "reading": claim.reading or None,

@@ -40,7 +40,7 @@ class ReplayedRun(Result):
     coordinates : dict from axes to values
     analysed : LoopAnalysis
         The run with its analyses.
-    stored, found : dict from measures to floats
+    stored, repeated : dict from measures to floats
         Stored and repeated values; NaN for a missing value.
     stored_outcome, stored_error : str
     differing_versions : dict from names to (then, now)
@@ -51,7 +51,7 @@ class ReplayedRun(Result):
     coordinates: dict[str, Any]
     analysed: LoopAnalysis
     stored: dict[str, float]
-    found: dict[str, float]
+    repeated: dict[str, float]
     stored_outcome: str
     stored_error: str
     differing_versions: dict[str, tuple[str, str]]
@@ -59,7 +59,7 @@ class ReplayedRun(Result):
     @property
     def differences(self) -> list[str]:
         """The measures whose bits differ, and the outcome if it does."""
-        pairs = ((name, self.stored[name], self.found[name]) for name in self.stored)
+        pairs = ((name, self.stored[name], self.repeated[name]) for name in self.stored)
         differ = [n for n, a, b in pairs if not np.array_equal([a], [b], equal_nan=True)]
         if self.stored_outcome != self.analysed.run.outcome:
             differ.append("outcome")
@@ -174,7 +174,7 @@ def replay_run(
         coordinates=coordinates,
         analysed=analysed,
         stored={name: float(row[name]) for name in about.measures},
-        found=dict(zip(about.measures, (value + 0.0 for value in values), strict=True)),
+        repeated=dict(zip(about.measures, (value + 0.0 for value in values), strict=True)),
         stored_outcome=row["outcome"],
         stored_error=row["failure"],
         differing_versions={
@@ -208,12 +208,12 @@ def _study(
         if source_of(function) != value["source"]:
             raise StoreError(
                 f"the function {printable(name)} is not the one that {store} was made with: its "
-                "source is another. Its numbers cannot be compared; take the version of then."
+                "source differs, so the numbers cannot be compared. Use the original version."
             )
         if "holds" in value and fingerprint(function) != value["holds"]:
             raise StoreError(
-                f"{printable(name)} holds other data than that which {store} was made with; give "
-                "the one of then."
+                f"{printable(name)} holds other data than the one that {store} was made with; give "
+                "the original one."
             )
         return function
 

@@ -68,7 +68,7 @@ class Candidate:
     ----------
     name : str
         "rule", "fixed", or the number of the point.
-    knobs : TuningParameters or None
+    parameters : TuningParameters or None
         None for the fixed controller.
     beside : Comparison
     Ms : float
@@ -78,7 +78,7 @@ class Candidate:
     """
 
     name: str
-    knobs: TuningParameters | None
+    parameters: TuningParameters | None
     beside: Comparison
     Ms: float
     rounds: int
@@ -240,16 +240,18 @@ def tune(
     is_certified = isinstance(design.certified, CertifiedSet)
     rule = TuningParameters()
     weakest = WEAKEST * rule.worth(design.expected) if is_certified else None
-    knobs = {RULE: rule} | {str(i + 1): one for i, one in enumerate(_points(budget, seed, weakest))}
+    parameters = {RULE: rule} | {
+        str(i + 1): one for i, one in enumerate(_points(budget, seed, weakest))
+    }
     if is_certified or design.reference.structure is not None:  # of the set, or of the user
-        knobs = {name: replace(one, spare=0) for name, one in knobs.items()}
+        parameters = {name: replace(one, spare=0) for name, one in parameters.items()}
     if is_certified:
-        knobs = {name: replace(one, width=rule.width) for name, one in knobs.items()}
+        parameters = {name: replace(one, width=rule.width) for name, one in parameters.items()}
     settings_by_name: dict[str, AnyController] = {FIXED: design.fixed}
-    for name, one in knobs.items():
+    for name, one in parameters.items():
         settings_by_name[name] = _settings(design, one)
     with _runner(store, workers, executor, progress) as runner:
-        candidates, chosen = _halved(design, settings_by_name, knobs, steps, runner)
+        candidates, chosen = _halved(design, settings_by_name, parameters, steps, runner)
         return _judged(
             design, settings_by_name, chosen, candidates, steps, (held_out, seeds, seed), runner
         )
@@ -304,9 +306,9 @@ def _runner(
         local_pool.shutdown()
 
 
-def _settings(design: Design, knobs: TuningParameters) -> ControllerSettings:
+def _settings(design: Design, parameters: TuningParameters) -> ControllerSettings:
     """Return the settings of tuning parameters, kept in the certified set of the design."""
-    settings = settings_of(design.model, design.reference, design.expected, knobs)
+    settings = settings_of(design.model, design.reference, design.expected, parameters)
     if isinstance(design.certified, CertifiedSet):
         return attrs.evolve(settings, bounds=design.certified.bounds)
     return settings
@@ -317,10 +319,10 @@ def _points(budget: int, seed: int, weakest: float | None = None) -> list[Tuning
     sobol = qmc.Sobol(5, rng=np.random.default_rng([seed, 5]))
     points = sobol.random_base2(int(np.ceil(np.log2(budget))))[:budget]
     least = SAMPLES[0] if weakest is None else float(np.log10(weakest))
-    return [_knobs(point, (least, SAMPLES[1])) for point in points]
+    return [_parameters_of(point, (least, SAMPLES[1])) for point in points]
 
 
-def _knobs(point: Array, samples_range: tuple[float, float]) -> TuningParameters:
+def _parameters_of(point: Array, samples_range: tuple[float, float]) -> TuningParameters:
     def between(x: float, low: float, high: float) -> float:
         return float(10 ** (low + x * (high - low)))
 
@@ -335,7 +337,7 @@ def _knobs(point: Array, samples_range: tuple[float, float]) -> TuningParameters
 def _halved(
     design: Design,
     settings_by_name: dict[str, AnyController],
-    knobs: dict[str, TuningParameters],
+    parameters: dict[str, TuningParameters],
     steps: int,
     runner: Runner,
 ) -> tuple[tuple[Candidate, ...], Candidate]:
@@ -360,7 +362,7 @@ def _halved(
         for name in alive:
             Ms = max(float(np.median(one.Ms)) for one in trials_by_name[name])
             candidates_by_name[name] = Candidate(
-                name, knobs.get(name), _beside(trials_by_name, name, FIXED), Ms, i + 1
+                name, parameters.get(name), _beside(trials_by_name, name, FIXED), Ms, i + 1
             )
         first, draws = first + draws, draws if i == 0 else 2 * draws
         always = [FIXED, RULE]
@@ -372,7 +374,7 @@ def _halved(
         (
             one
             for one in candidates_by_name.values()
-            if one.rounds == ROUNDS and one.knobs is not None
+            if one.rounds == ROUNDS and one.parameters is not None
         ),
         key=lambda one: one.order,
     )
@@ -421,16 +423,16 @@ def _judged(
         rule = [one for one in trials if one.controller == RULE]
         others = [one for one in trials if one.controller != RCAC]
         trials = (*(replace(one, controller=RCAC) for one in rule), *others)
-    assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
+    assert isinstance(settings, ControllerSettings) and chosen.parameters is not None
     if isinstance(design.certified, CertifiedSet):
-        boxed = settings_of(design.model, design.reference, design.expected, chosen.knobs)
+        boxed = settings_of(design.model, design.reference, design.expected, chosen.parameters)
         trials += runner(BOX_RUNS, replace(judging, controllers={BOXED: boxed}))
     evidence = tuple(one for one in trials if one.controller != RULE)
     nominal = replace(judging, controllers={RCAC: settings, FIXED: design.fixed})
     w = design.expected.w(design.steps, JUDGING)
     run = simulate(design.plant, settings, w, saturation=design.saturation)
-    reasons = reasons_of(design.model, design.reference, design.expected, settings, chosen.knobs,
-                         design.certified)  # fmt: skip
+    reasons = reasons_of(design.model, design.reference, design.expected, settings,
+                         chosen.parameters, design.certified)  # fmt: skip
     tuned = replace(
         design, settings=settings, evidence=evidence,
         verdict=verdict_of(evidence, nominal),

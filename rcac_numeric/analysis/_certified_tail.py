@@ -39,7 +39,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of
 from rcac_numeric.arrays._values import Result
-from rcac_numeric.controllers._bounds import kept_radii
+from rcac_numeric.controllers._bounds import ellipsoid_radii
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import Structure
@@ -481,13 +481,13 @@ class _Search:
 def _is_inside(region: CertifiedSet, thetas: Array) -> bool:
     """Whether every theta lies inside: by its computed radius and its rounding error, or in balls.
 
-    A computed radius below the limit of `kept_radii` proves that the true one is below 1 (Higham
-    2002, theorem 8.5). The others are few: R^1/2 Delta K^-T has a norm below 1 in balls.
+    A computed radius below the limit of `ellipsoid_radii` proves that the true one is below 1
+    (Higham 2002, theorem 8.5). The others are few: R^1/2 Delta K^-T has a norm below 1 in balls.
     """
     scale, taps = region.input_scale, len(region.regressor_factor)
     distinct = np.unique(thetas, axis=0)
     with contextlib.suppress(InputError):  # axes that are too unequal for that bound
-        distinct = distinct[~(region.radius_of(distinct) < kept_radii(region.bounds)[0])]
+        distinct = distinct[~(region.radius_of(distinct) < ellipsoid_radii(region.bounds)[0])]
     if not len(distinct):
         return True
     moved = exact(distinct) - exact(region.center)

@@ -207,9 +207,9 @@ class PeakBounds(Result):
         loops = _exact_loops(self.region)
         outputs = len(self.z) + len(self.u)
         channels = np.flatnonzero(self.w_peak)
-        wanted = {(name, i, int(j)) for name in loops for i in range(outputs) for j in channels}
+        required = {(name, i, int(j)) for name in loops for i in range(outputs) for j in channels}
         gains = {(p.member, p.output, p.channel): p for p in self.proofs}
-        if set(gains) != wanted or not 0 < self.share <= 1:
+        if set(gains) != required or not 0 < self.share <= 1:
             return False
         for (name, _, _), proof in gains.items():
             one = _Channel(loops[name], self.region, name, self.share, proof.channel)

@@ -351,7 +351,7 @@ def check_controller(
     is_default = known in (OURS, OWN_U)
     # A run whose own controller is checked.
     of_its_settings = structure is None and compensator is None and is_default
-    own = u if isinstance(u, Run) and of_its_settings else None
+    checked_run = u if isinstance(u, Run) and of_its_settings else None
     if isinstance(u, Run):
         arguments = arguments_of_run(u)
         if u_limits is None and u.saturation is not None and u.saturation.rate is None:
@@ -388,8 +388,8 @@ def check_controller(
     if has_theta and structure is not None:
         replayer = Replayer(written, structure, k_w=k_w, tolerance=tolerance)
         replayed = replayer.replay(known, limits)
-        if own is not None and not replayed.agrees:  # theta alone need not make u: a dither
-            of_run = replay_run(own, k_w=k_w, tolerance=tolerance)
+        if checked_run is not None and not replayed.agrees:  # theta alone need not make u: a dither
+            of_run = replay_run(checked_run, k_w=k_w, tolerance=tolerance)
             if isinstance(of_run, str):
                 replayed, unanswered["replay"] = None, of_run
             elif of_run.agrees:
@@ -405,8 +405,8 @@ def check_controller(
         reason = "no theta was logged" if log.theta is None else "theta was not used"
         unanswered["convergence"] = reason
         options: dict[str, Any] = {"k_w": k_w, "tolerance": tolerance, "u_limits": u_limits}
-        if own is not None:
-            of_run = replay_run(own, k_w=k_w, tolerance=tolerance)
+        if checked_run is not None:
+            of_run = replay_run(checked_run, k_w=k_w, tolerance=tolerance)
         if isinstance(of_run, ControlReplay):
             replayed = of_run
         elif log.steps > len(fixed.past_u):
@@ -441,7 +441,7 @@ def check_controller(
     return ControllerCheck(
         log, structure, fixed, target, analysis, replayed, drift, residual, costs, margins, disk,
         unanswered, is_fixed, conventions=conventions, run=run,
-        settings=None if own is None else own.settings,
+        settings=None if checked_run is None else checked_run.settings,
     )  # fmt: skip
 
 

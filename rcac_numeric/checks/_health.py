@@ -243,7 +243,7 @@ def drift_of(rows: Array, R_theta: Array, moved: Array) -> float:
     return float(np.linalg.norm(still @ by))
 
 
-HELD = 0.1  # share of the steps in which bounds moved theta
+BOUNDED_SHARE = 0.1  # share of the steps in which bounds moved theta
 
 
 @dataclass(frozen=True)
@@ -362,7 +362,7 @@ class LoopHealth(Result):
     @property
     def is_held(self) -> bool:
         """Whether the bounds limited theta in a tenth of the steps, and so decide the poles."""
-        return self.bounded > HELD * self.steps
+        return self.bounded > BOUNDED_SHARE * self.steps
 
     @property
     def is_healthy(self) -> bool:

@@ -29,8 +29,8 @@ from rcac_numeric.compiled._updates import (
 from rcac_numeric.controllers._bounds import (
     CertifiedBounds,
     CoefficientBounds,
+    ellipsoid_radii,
     inverse_factor,
-    kept_radii,
 )
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
@@ -304,7 +304,7 @@ def _additions(settings: ControllerSettings) -> dict[str, Any]:
         if isinstance(bounds, CertifiedBounds):
             in_metric = not isinstance(settings.update, JointUD)
             inverse = inverse_factor(bounds)
-            additions["ellipsoid"] = (bounds.center, inverse, in_metric, *kept_radii(bounds))
+            additions["ellipsoid"] = (bounds.center, inverse, in_metric, *ellipsoid_radii(bounds))
         else:
             low, high = bounds.box(settings.structure)
             additions["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)

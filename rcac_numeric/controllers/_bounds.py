@@ -222,7 +222,7 @@ class CertifiedBounds(Value):
             )
         if not (least := self.factor.diagonal().min()) > 0:
             raise InputError(f"factor has {least:g} on its diagonal; positive entries are needed.")
-        error = 1 - kept_radii(self)[1]
+        error = 1 - ellipsoid_radii(self)[1]
         if not error <= MOST_LOST:
             raise InputError(
                 f"in float64 the radius of a theta on the boundary has an error of up to "
@@ -258,7 +258,7 @@ class CertifiedBounds(Value):
         return bool((self.radius_of(theta) <= 1).all())
 
 
-def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, float]:
+def ellipsoid_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, float]:
     """Return (limit, aim): the computed radius that proves the true one <= 1, and its set point.
 
     L^-1 to the nearest numbers, the differences, the products and their sums in any order: at most

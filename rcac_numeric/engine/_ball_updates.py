@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
-from rcac_numeric.controllers._bounds import CertifiedBounds, kept_radii
+from rcac_numeric.controllers._bounds import CertifiedBounds, ellipsoid_radii
 from rcac_numeric.controllers._forgetting import (
     ScheduledForgetting,
 )
@@ -48,7 +48,7 @@ def inside(
 ) -> arb_mat:
     """Return theta moved into the ellipsoid: four cuts in the metric of P, then the radius."""
     center, L = balls(bounds.center.reshape(-1, 1)), balls(bounds.factor)
-    limit, aim = map(arb, kept_radii(bounds))
+    limit, aim = map(arb, ellipsoid_radii(bounds))
     delta = theta - center
     v = L.solve(delta)
     square = (v.transpose() * v)[0, 0]

@@ -101,15 +101,15 @@ class NoTapeError(Exception):
 class Writer:
     """Writes steps; registers are constants, x, u, k and then the result of each step.
 
-    While writing, a register is ("constant", i), ("given", i) or ("step", i): how many constants
+    While writing, a register is ("constant", i), ("input", i) or ("step", i): how many constants
     there are is known at the end.
     """
 
     def __init__(self, symbols: Sequence[sympy.Symbol]) -> None:
         self.constants: dict[float, int] = {}
-        self.places: dict[Any, tuple[str, int]] = {s: ("given", i) for i, s in enumerate(symbols)}
+        self.places: dict[Any, tuple[str, int]] = {s: ("input", i) for i, s in enumerate(symbols)}
         self.steps: list[tuple[str, tuple[str, int], tuple[str, int]]] = []
-        self.given = len(symbols)
+        self.inputs = len(symbols)
 
     def constant(self, value: float) -> tuple[str, int]:
         """The register of a constant."""
@@ -199,7 +199,7 @@ def tape(expressions: Sequence[Any], arguments: Sequence[sympy.Symbol]) -> Tape:
         writer.places[symbol] = writer.place(part)
     results = [writer.place(expression) for expression in reduced]
     count = len(writer.constants)
-    first = {"constant": 0, "given": count, "step": count + writer.given}
+    first = {"constant": 0, "input": count, "step": count + writer.inputs}
     steps = [
         (OPERATIONS[name], first[a[0]] + a[1], first[b[0]] + b[1]) for name, a, b in writer.steps
     ]

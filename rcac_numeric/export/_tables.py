@@ -18,7 +18,7 @@ from rcac_numeric.arrays._validation import integer
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._controllers import kernel_arguments
 from rcac_numeric.compiled._updates import require_kind
-from rcac_numeric.controllers._bounds import CertifiedBounds, inverse_factor, kept_radii
+from rcac_numeric.controllers._bounds import CertifiedBounds, ellipsoid_radii, inverse_factor
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
@@ -391,7 +391,7 @@ def _factors(P_0: Array) -> tuple[Numbers, Numbers]:
     return tuple(U[i][j] for j in range(n) for i in range(j)), tuple(D)
 
 
-LEAST_KEPT = 0.9  # share of the radius that the core may lose to its numbers
+LEAST_SHARE = 0.9  # share of the radius that the core may lose to its numbers
 
 
 def ellipsoid_constants(bounds: CertifiedBounds, real: type) -> tuple[Numbers, Numbers, Numbers]:
@@ -404,11 +404,11 @@ def ellipsoid_constants(bounds: CertifiedBounds, real: type) -> tuple[Numbers, N
     rows: Any = inverse_factor(bounds).astype(real)
     packed = np.concatenate([row[: i + 1] for i, row in enumerate(rows)])
     share = 1 - float(bounds.radius_of(center.astype(np.float64)))
-    limit, aim = (share * radius for radius in kept_radii(bounds, float(np.finfo(real).eps)))
-    if not aim >= LEAST_KEPT:
+    limit, aim = (share * radius for radius in ellipsoid_radii(bounds, float(np.finfo(real).eps)))
+    if not aim >= LEAST_SHARE:
         raise InputError(
             f"{np.dtype(real)} keeps {max(aim, 0):.2g} of the radius of CertifiedBounds, and "
-            f'{LEAST_KEPT} is needed: its axes are too unequal. Export with real = "float64".'
+            f'{LEAST_SHARE} is needed: its axes are too unequal. Export with real = "float64".'
         )
     return _numbers(center), _numbers(packed), (limit, aim)
 

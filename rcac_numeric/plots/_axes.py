@@ -13,7 +13,7 @@ from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.plots._library import Axes, Figure
 from rcac_numeric.plots._pole_maps import PoleGroup, draw_plane, largest_counts
-from rcac_numeric.plots._style import INK, REACHED, SECOND, WANTED, draw_history
+from rcac_numeric.plots._style import INK, REACHED, REQUESTED, SECOND, draw_history
 
 
 def draw_control(axis: Axes, run: Run) -> None:
@@ -22,7 +22,7 @@ def draw_control(axis: Axes, run: Run) -> None:
     if run.u_applied is run.u or np.array_equal(run.u_applied, run.u):
         return
     for i, column in enumerate(run.u_applied.T):
-        axis.step(np.arange(len(column)), column, where="post", linewidth=1.1, color=WANTED,
+        axis.step(np.arange(len(column)), column, where="post", linewidth=1.1, color=REQUESTED,
                   label="applied" if i == 0 else None)  # fmt: skip
     if run.u.shape[1] == 1:
         axis.lines[0].set(label="requested", alpha=0.6)
@@ -86,7 +86,7 @@ def draw_poles(
     """Draw closed-loop poles, target poles, and zeros from w to z."""
     finite = np.isfinite(poles)
     kinds = [
-        PoleGroup("requested", "requested", requested, "s", WANTED, 10),
+        PoleGroup("requested", "requested", requested, "s", REQUESTED, 10),
         PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6),
         PoleGroup("poles reached", "pole", poles[finite], "x", REACHED, 7),
     ]

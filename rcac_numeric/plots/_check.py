@@ -13,8 +13,8 @@ from rcac_numeric.plots._pole_maps import PoleGroup, draw_plane, largest_counts
 from rcac_numeric.plots._style import (
     INK,
     REACHED,
+    REQUESTED,
     SECOND,
-    WANTED,
     draw_history,
     draw_magnitude,
     draw_phase,
@@ -56,13 +56,13 @@ def _signals(upper: Axes, lower: Axes, check: ControllerCheck) -> None:
     if replay is not None:
         for i, column in enumerate(replay.u.T):
             lower.step(np.arange(len(column))[replay.start :], column[replay.start :], where="post",
-                       color=WANTED, linewidth=0.9, linestyle="--",
+                       color=REQUESTED, linewidth=0.9, linestyle="--",
                        label=r"$\Phi\theta$" if i == 0 else None)  # fmt: skip
         lower.legend(fontsize=8)
         word = "is" if replay.agrees else "is NOT"
         lower.set_title(
             rf"$u$ {word} $\Phi\theta$: worst relative difference {replay.worst:.1g}",
-            fontsize=10, color=INK if replay.agrees else WANTED,
+            fontsize=10, color=INK if replay.agrees else REQUESTED,
         )  # fmt: skip
 
 
@@ -85,7 +85,7 @@ def _coefficients(axis: Axes, check: ControllerCheck) -> None:
         if drift is not None:
             axis.axvspan(drift.start, log.steps - 1, color=INK, alpha=0.08, linewidth=0)
             axis.set_title(f"last tenth: moved by {drift.relative:.1g} of its size", fontsize=10,
-                           color=INK if drift.is_converged else WANTED)  # fmt: skip
+                           color=INK if drift.is_converged else REQUESTED)  # fmt: skip
         return
     values = log.theta_final
     if values is None:
@@ -110,7 +110,9 @@ def _poles(axis: Axes, check: ControllerCheck) -> None:
     groups = []
     if check.comparison is not None:
         groups.append(
-            PoleGroup("requested", "requested", check.comparison.requested_poles, "s", WANTED, 10)
+            PoleGroup(
+                "requested", "requested", check.comparison.requested_poles, "s", REQUESTED, 10
+            )
         )
     zeros = largest_counts(check.zeros.values())
     groups.append(PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6))
@@ -124,7 +126,7 @@ def _poles(axis: Axes, check: ControllerCheck) -> None:
     assert check.loop is not None
     stable = check.loop.is_stable
     title = f"closed loop, spectral radius {check.loop.spectral_radius:.6g}"
-    axis.set_title(title, fontsize=9, color=INK if stable else WANTED)
+    axis.set_title(title, fontsize=9, color=INK if stable else REQUESTED)
 
 
 def _match(gain: Axes, phase: Axes, check: ControllerCheck) -> None:
@@ -159,4 +161,4 @@ def _nyquist(axis: Axes, check: ControllerCheck) -> None:
     if margins.is_stable and up is not None and down is not None and phase is not None:
         words = f"gain {down.value:.4g} to {up.value:.4g}, phase {phase.value:.3g} deg"
     axis.set_title(f"Nyquist, opened at {name}\n{words}", fontsize=9,
-                   color=INK if margins.is_stable else WANTED)  # fmt: skip
+                   color=INK if margins.is_stable else REQUESTED)  # fmt: skip

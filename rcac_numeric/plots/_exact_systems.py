@@ -21,8 +21,8 @@ from rcac_numeric.plots._style import (
     NARROW,
     QUIET,
     REACHED,
+    REQUESTED,
     SECOND,
-    WANTED,
     axes_of,
     checked_width,
     draw_circle,
@@ -144,7 +144,7 @@ def draw_response(axis: Axes, response: TimeResponse, until: float | None) -> No
 
 def draw_poles_and_zeros(axis: Axes, G: TransferFunction) -> None:
     """Draw the exact poles and zeros, multiplicities beside them, and the edge of stability."""
-    groups = [(G.poles(), "x", WANTED, "poles")]
+    groups = [(G.poles(), "x", REQUESTED, "poles")]
     if G.numerator.degree() > 0:
         groups.append((G.zeros(), "o", REACHED, "zeros"))
     for roots, marker, colour, label in groups:

@@ -19,8 +19,8 @@ from rcac_numeric.plots._style import (
     INK,
     NARROW,
     REACHED,
+    REQUESTED,
     SECOND,
-    WANTED,
     axes_of,
     checked_width,
     figure_of,
@@ -141,16 +141,16 @@ def draw_nyquist(axis: Axes, curve: LoopCurve) -> None:
     axis.plot(L.real, L.imag, color=REACHED, linewidth=1.4, label="$L$, positive frequencies")
     axis.plot(L.real, -L.imag, color=REACHED, linewidth=0.8, alpha=0.5)
     axis.plot(CIRCLE.real, CIRCLE.imag, color=INK, linewidth=0.5, linestyle=":")
-    axis.plot([-1], [0], "+", color=WANTED, ms=12, mew=2, label="$-1$")
+    axis.plot([-1], [0], "+", color=REQUESTED, ms=12, mew=2, label="$-1$")
     if curve.disk is not None and curve.disk < 2:
         low = (2 - curve.disk) / (2 + curve.disk)
         ends = np.array([-1 / low, -low])  # where the factors of the disk put -1/f
         span = float(np.clip(3 * np.ptp(ends), 0.05, span))
         disk = ends.mean() + np.ptp(ends) / 2 * CIRCLE
-        axis.fill(disk.real, disk.imag, color=WANTED, alpha=0.12, linewidth=0,
+        axis.fill(disk.real, disk.imag, color=REQUESTED, alpha=0.12, linewidth=0,
                   label=f"disk margin {curve.disk:.3g}")  # fmt: skip
     crossing = curve.response(np.array(curve.gain_crossovers))
-    axis.plot(crossing.real, crossing.imag, "o", mfc="none", mec=WANTED, ms=7,
+    axis.plot(crossing.real, crossing.imag, "o", mfc="none", mec=REQUESTED, ms=7,
               label="gain crossovers")  # fmt: skip
     real = curve.response(np.array(curve.phase_crossovers)).real
     axis.plot(real, np.zeros_like(real), "s", mfc="none", mec=SECOND, ms=7,
@@ -179,7 +179,7 @@ def draw_bode(gain: Axes, phase: Axes, curve: LoopCurve) -> None:
     gain.axhline(1, color=INK, linewidth=0.7)
     _show_half_turns(phase, degrees)
     for w in curve.gain_crossovers:
-        gain.plot(w, 1, "o", mfc="none", mec=WANTED, ms=6)
+        gain.plot(w, 1, "o", mfc="none", mec=REQUESTED, ms=6)
     words = []
     for w, factor in curve.gains:
         gain.plot([w, w], [1 / factor, 1], color=SECOND, linewidth=2)
@@ -192,8 +192,8 @@ def draw_bode(gain: Axes, phase: Axes, curve: LoopCurve) -> None:
     else:
         w, turn = curve.phase
         at = np.interp(np.log(w), np.log(omega[finite]), degrees)
-        phase.plot([w, w], [at - turn, at], color=WANTED, linewidth=2)
-        phase.plot(w, at, "o", mfc="none", mec=WANTED, ms=6)
+        phase.plot([w, w], [at - turn, at], color=REQUESTED, linewidth=2)
+        phase.plot(w, at, "o", mfc="none", mec=REQUESTED, ms=6)
         phase.set_title(f"phase margin {turn:.3g} degrees at {w:.3g}", fontsize=10)
     gain.set(ylabel="gain of $L$")
     phase.set(ylabel="phase, degrees", xlabel=rf"frequency $\omega$, {curve.unit}")
@@ -225,7 +225,9 @@ def draw_disk(axis: Axes, curve: LoopCurve) -> None:
     for _, factor in curve.gains:
         axis.plot(factor, 0, "s", mfc="none", mec=SECOND, ms=7, label="gain margins")
     if curve.phase is not None:
-        axis.plot(1, abs(curve.phase[1]), "o", mfc="none", mec=WANTED, ms=7, label="phase margin")
+        axis.plot(
+            1, abs(curve.phase[1]), "o", mfc="none", mec=REQUESTED, ms=7, label="phase margin"
+        )
     axis.set_ylim(0, 1.08 * max(axis.get_ylim()[1], abs(curve.phase[1]) if curve.phase else 0))
     handles = dict(zip(*reversed(axis.get_legend_handles_labels()), strict=True))
     axis.legend(handles.values(), handles, fontsize=8, loc="best", frameon=False)

@@ -12,7 +12,7 @@ from rcac_numeric.plants.gallery._continuous import ContinuousPlant
 from rcac_numeric.plants.gallery._rohrs import sampling_zeros
 from rcac_numeric.plants.gallery._zeros import ZeroPath
 from rcac_numeric.plots._library import Axes, Figure
-from rcac_numeric.plots._style import INK, REACHED, SECOND, WANTED, draw_circle, line_style
+from rcac_numeric.plots._style import INK, REACHED, REQUESTED, SECOND, draw_circle, line_style
 
 FARTHEST = 4.0  # zeros of larger modulus are left out of a picture of moduli
 
@@ -78,9 +78,9 @@ def draw_zeros(axis: Axes, zeros: Sequence[ComplexArray]) -> None:
     every = np.concatenate([np.zeros(0), *zeros])
     near = every[np.abs(every) <= FARTHEST]
     axis.plot(near.real, near.imag, ".", color=SECOND, ms=3, label="on the way")
-    for values, name, fill in ((zeros[0], "first", "none"), (zeros[-1], "last", WANTED)):
+    for values, name, fill in ((zeros[0], "first", "none"), (zeros[-1], "last", REQUESTED)):
         shown = values[np.abs(values) <= FARTHEST]
-        axis.plot(shown.real, shown.imag, "o", mfc=fill, mec=WANTED, ms=7, label=name)
+        axis.plot(shown.real, shown.imag, "o", mfc=fill, mec=REQUESTED, ms=7, label=name)
     axis.set(xlabel="real", ylabel="imaginary")
     right = near[near.real > 0]
     if len(right) == len(near) or len(right) == 0:

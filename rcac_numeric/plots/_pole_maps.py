@@ -14,7 +14,7 @@ from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.arrays._array_types import ComplexArray
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.plots._library import Axes, Figure
-from rcac_numeric.plots._style import INK, REACHED, SECOND, WANTED, draw_circle
+from rcac_numeric.plots._style import INK, REACHED, REQUESTED, SECOND, draw_circle
 
 REACH = 1.3  # half the width of a map: what lies further out would make the unit circle a dot
 ROOM = 1.4  # where words stand at the rim
@@ -144,7 +144,7 @@ def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
     drawn = [
         PoleGroup(name, word, values[np.isfinite(values)], marker, colour, size)
         for name, word, marker, colour, size in (
-            ("requested", "requested", "s", WANTED, 10.0),
+            ("requested", "requested", "s", REQUESTED, 10.0),
             ("zeros", "zero", "o", SECOND, 7.0),
             ("poles", "pole", "x", REACHED, 7.0),
         )

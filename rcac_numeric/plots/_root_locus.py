@@ -13,8 +13,8 @@ from rcac_numeric.plots._style import (
     INK,
     NARROW,
     QUIET,
+    REQUESTED,
     SECOND,
-    WANTED,
     axes_of,
     checked_width,
     draw_circle,
@@ -81,7 +81,7 @@ def _draw(axis: Axes, locus: RootLocus) -> None:
     for i, (crossing, gain) in enumerate(crossings):
         place = _places([(crossing, gain)], discrete)[0]
         label = "boundary of stability" if i == 0 else "_"
-        _mark(axis, place, gain, "s", WANTED, label)
+        _mark(axis, place, gain, "s", REQUESTED, label)
     axis.set(xlabel="real", ylabel="imaginary")
     axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
 

@@ -12,7 +12,7 @@ from rcac_numeric.plots._coefficients import draw_theta
 from rcac_numeric.plots._library import Axes, Figure
 from rcac_numeric.plots._pole_maps import largest_counts
 from rcac_numeric.plots._style import (
-    WANTED,
+    REQUESTED,
     checked_width,
     draw_history,
     draw_magnitude,
@@ -73,7 +73,7 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
         for axis in axes[:, 0]:
             if axis.get_yscale() == "linear":
                 axis.set_yscale("symlog")
-        axes[0, 0].set_title(f"diverged after step {run.steps - 1}", color=WANTED, fontsize=10)
+        axes[0, 0].set_title(f"diverged after step {run.steps - 1}", color=REQUESTED, fontsize=10)
     draw_pole_zero(axes[0, 1], repetition)
     _draw_match(axes[1, 1], axes[2, 1], repetition)
     for axis in axes.ravel():

@@ -6,7 +6,7 @@ import numpy as np
 
 from rcac_numeric.identification._step_response import StepResponse
 from rcac_numeric.plots._library import Figure
-from rcac_numeric.plots._style import QUIET, REACHED, WANTED
+from rcac_numeric.plots._style import QUIET, REACHED, REQUESTED
 
 
 def plot_step_response(step: StepResponse) -> Figure:
@@ -19,9 +19,9 @@ def plot_step_response(step: StepResponse) -> Figure:
     upper.plot(t, step.response, color=REACHED, linewidth=1.5, label="model")
     at = step.first_move
     low, high = step.dead_time_interval
-    upper.axvspan(at, at + step.dead_time, color=WANTED, alpha=0.12, label="dead time")
+    upper.axvspan(at, at + step.dead_time, color=REQUESTED, alpha=0.12, label="dead time")
     for edge in (low, high):
-        upper.axvline(at + edge, color=WANTED, linewidth=0.8, linestyle=":")
+        upper.axvline(at + edge, color=REQUESTED, linewidth=0.8, linestyle=":")
     for i, (time, _) in enumerate(step.jumps):
         label = None if i else "level jump"
         upper.axvline(time, color=QUIET, linewidth=0.8, linestyle="--", label=label)

@@ -13,7 +13,7 @@ from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._wording import in_a_line, shortened
 from rcac_numeric.plots._library import Axes, Figure, SymmetricalLogLocator
 
-INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
+INK, REACHED, REQUESTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
 QUIET = "#7f7f7f"
 NARROW = 6.0  # inches: below, panels stand one above the other and letters are smaller
 NARROWEST = 3.0
@@ -102,7 +102,7 @@ def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
 def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
     """Draw the gain of G_f and of the intercalated transfer function."""
     for i, j in np.ndindex(match.target.shape[1:]):
-        axis.semilogy(match.omega, np.abs(match.target[:, i, j]), color=WANTED, linewidth=3.5,
+        axis.semilogy(match.omega, np.abs(match.target[:, i, j]), color=REQUESTED, linewidth=3.5,
                       alpha=0.45, label="$G_f$" if i == j == 0 else None)  # fmt: skip
         axis.semilogy(match.omega, np.abs(match.reached[:, i, j]), color=REACHED, linewidth=1.2,
                       label=r"$\tilde G_{z\tilde u}$" if i == j == 0 else None)  # fmt: skip
@@ -118,7 +118,7 @@ def draw_phase(axis: Axes, match: IntercalatedMatch) -> None:
     """Draw their phases in radians, on one branch."""
     for i, j in np.ndindex(match.target.shape[1:]):
         requested, reached = phases(match.target[:, i, j], match.reached[:, i, j])
-        axis.plot(match.omega, requested, color=WANTED, linewidth=3.5, alpha=0.45)
+        axis.plot(match.omega, requested, color=REQUESTED, linewidth=3.5, alpha=0.45)
         jumps = np.abs(np.diff(reached, prepend=reached[:1])) > np.pi  # to the next branch
         axis.plot(match.omega, np.where(jumps, np.nan, reached), color=REACHED, linewidth=1.2)
     centre_at_least(axis, LEAST_PHASE)

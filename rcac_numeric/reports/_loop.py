@@ -344,10 +344,12 @@ def comparison_section(c: ExactComparison) -> Section:
         blocks.append(Text(words))
     record = {
         "poles": c.poles,
-        "asked_poles": c.requested_poles,
+        "requested_poles": c.requested_poles,
         "zeros": c.zeros,
         "characteristic_polynomial": {
-            "asked": None if c.requested is None else [str(v) for v in c.requested.all_coeffs()],
+            "requested": None
+            if c.requested is None
+            else [str(v) for v in c.requested.all_coeffs()],
             "reached": [rounded(v) for v in c.reached.all_coeffs()],
             "obstacle": c.obstacle or None,
         },
