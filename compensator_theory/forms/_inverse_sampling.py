@@ -191,8 +191,8 @@ def inverse_tustin(
     below = ImmutableMatrix(system.A + unit)
     if n and determinant(below) == 0:
         raise NoSolutionError(
-            "-1 is a pole of the plant, which s = infinity would be; no proper continuous plant "
-            "has it by Tustin's rule"
+            "the plant has a pole at -1, which Tustin's rule maps to s = infinity: no proper "
+            "continuous plant gives it"
         )
     inverse = solve(below, unit) if n else below
     A = in_lowest_terms(multiplied(inverse, system.A - unit) * 2 / h)
@@ -291,8 +291,8 @@ def inverse_zero_order_hold(
     certificate = _certificate(A, B, system, spectrum, t)
     if t != h and (A.has(t) or B.has(t)):
         raise InputError(
-            f"with multiple poles, or a pole at 1, the step {repr_of(h)} itself, an irrational "
-            "number, is in the matrices; leave it a symbol"
+            f"a multiple pole, or a pole at 1, makes the irrational step {repr_of(h)} an entry of "
+            "the matrices; leave the step a symbol"
         )
     result = Realisation(A, B, system.C, system.D, s)
     remaining = {x for part in result.matrices for entry in part for x in entry.free_symbols}
@@ -338,8 +338,8 @@ def _read(
             "leave one of them out"
         )
     if isinstance(h, Symbol):
-        own = {s.name, system.variable.name} | (names if known is None else set())
-        introduced(h, own, "h", "step", meaning="the step", owner="a symbol of the plant")
+        plant_names = {s.name, system.variable.name} | (names if known is None else set())
+        introduced(h, plant_names, "h", "step", meaning="the step", owner="a symbol of the plant")
     return system, s, h
 
 
@@ -402,15 +402,15 @@ class _Spectrum:
         z = self.variable
         if factor.degree() > 2:
             raise InputError(
-                f"the roots of {quoted(factor)} are no roots of factors of degree 1 or 2; write "
-                "the plant with symbols for its poles, or approximate them by rational numbers"
+                f"the factor {quoted(factor)} has a degree above 2, so that its roots have no "
+                "closed form here; write symbols for the poles, or rational numbers close to them"
             )
         if factor.degree() == 1:
             if factor.TC() == 0:
                 raise NoSolutionError(
-                    f"the plant has a pole at {z} = 0, which no exponential is: it is a dead time "
-                    f"of a step; multiply the transfer function by {z} for each such pole, and add "
-                    "the dead time to the continuous plant, as in exp(-h*s)*G"
+                    f"the plant has a pole at {z} = 0: a dead time of one step, which no "
+                    f"continuous pole gives; multiply the transfer function by {z} for each such "
+                    "pole, and add the dead time to the continuous plant, as in exp(-h*s)*G"
                 )
             return
         if not all(c.is_Rational for c in factor.all_coeffs()):
@@ -421,9 +421,8 @@ class _Spectrum:
         mean, square = _centre(factor)
         if square > 0 and not (mean > 0 and mean**2 > square):
             raise NoSolutionError(
-                f"{quoted(factor)} has a negative root, which is no exponential of a real "
-                "number, and no pair of them has equal Jordan blocks here; inverse_tustin has an "
-                "answer"
+                f"{quoted(factor)} has a negative root; a real continuous plant gives negative "
+                "poles in pairs with equal Jordan blocks alone. Use inverse_tustin"
             )
 
     def _add(self, factor: Poly, multiplicity: int) -> None:

@@ -185,11 +185,11 @@ def zero_order_hold(
     system = with_dead_time(plant, variable)
     if isinstance(system, DelayedTransferFunction):
         return _late(system, step, discrete_variable)
-    return _held(plant, step, discrete_variable=discrete_variable, variable=variable)
+    return _sampled_by_hold(plant, step, discrete_variable=discrete_variable, variable=variable)
 
 
 @refusing
-def _held(
+def _sampled_by_hold(
     plant: RealisationLike,
     step: NumberLike | None = None,
     *,
@@ -336,7 +336,8 @@ def tustin(
     below = ImmutableMatrix(unit - system.A * h / 2)
     if n and determinant(below) == 0:
         raise NoSolutionError(
-            f"2/h = {2 / h} is a pole of the plant, which z = infinity would be; take another step"
+            f"the plant has a pole at 2/h = {2 / h}, which Tustin's rule maps to z = infinity; "
+            "take another step"
         )
     inverse = solve(below, unit) if n else below
     A = in_lowest_terms(inverse * (unit + system.A * h / 2))
@@ -517,15 +518,15 @@ def _exponential_of(
     values = {x: _exponential(rate * h) for x, rate in exponential.rates}
     if h.has(sympy.pi) and sum(rate.is_number for _, rate in exponential.rates) > 1:
         raise InputError(
-            f"with several rates the step {repr_of(h)} may hide relations between their "
-            "exponentials; leave it a symbol"
+            f"with the step {repr_of(h)} the exponentials of several poles may satisfy relations "
+            "that no test decides; leave the step a symbol"
         )
     for y, square in exponential.tangents:
         omega = sympy.sqrt(square)
         if h.has(sympy.log):
             raise InputError(
-                f"with poles of frequency {omega} the step {repr_of(h)}, a logarithm, may hide "
-                "relations; leave it a symbol"
+                f"with poles of frequency {omega} and the step {repr_of(h)}, a logarithm, the "
+                "entries may satisfy relations that no test decides; leave the step a symbol"
             )
         values[y] = _tangent(omega, h)
     known = {x: value for x, value in values.items() if value.is_Rational}
@@ -535,8 +536,8 @@ def _exponential_of(
         del values[y]
     if any(e.has(sympy.log, sympy.exp, sympy.pi) for e in sampled):
         raise InputError(
-            f"with multiple poles, or a hold of first order, the step {repr_of(h)} itself, an "
-            "irrational number, is in the matrices; leave it a symbol"
+            f"a multiple pole, or a hold of first order, makes the irrational step {repr_of(h)} an "
+            "entry of the matrices; leave the step a symbol"
         )
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
     return sampled, meaning, exponential.certificate, exponential.tangents

@@ -101,7 +101,7 @@ def compensator_from_sensitivity(
     G, S = read_loop(plant, sensitivity, feedback, name="sensitivity function", variable=variable)
     for name, function in (("plant", G), ("sensitivity function", S)):
         if function.numerator.is_zero:
-            raise InputError(f"the {name} is zero, which no compensator explains")
+            raise InputError(f"the {name} is zero, which no compensator gives")
     N, D, above, below = over_one_field(G.numerator, G.denominator, S.numerator, S.denominator)
     change = canonical(above - below)
     G_c = TransferFunction(

@@ -122,8 +122,8 @@ def siso_loop(
     factor = G.common_factor()
     if factor.degree() > 0:
         raise NotCoprimeError(
-            f"the plant {G} has the hidden modes {format_polynomial(factor)}, and what they admit "
-            "depends on its realisation; ",
+            f"the plant {G} has the hidden modes {format_polynomial(factor)}, whose observers "
+            "depend on its realisation; ",
             Advice("realisation_is_observer_based", (), "reduce it, or use {function}"),
         )
     return G, G_c

@@ -216,7 +216,7 @@ def _delays(delays: int | Sequence[int], rows: int, tall: bool) -> tuple[int, ..
         raise InputError(f"delays = {repr_of(delays)}: give one number of steps, or {rows} numbers")
     ask("degree", max(steps), "the target model with these delays")
     if tall and len(set(steps)) > 1:
-        raise InputError("with more rows than columns all rows need one delay")
+        raise InputError("a target with more rows than columns needs one delay for all rows")
     return steps
 
 
@@ -228,7 +228,7 @@ def _zero(pair: Direction, size: int) -> tuple[Expr, ImmutableMatrix]:
     z0 = gaussian(zero_like, f"the zero {repr_of(zero_like)}")
     a, b = z0.as_real_imag()
     if a**2 + b**2 < (1 - CIRCLE) ** 2:
-        raise InputError(f"the zero {z0} is inside the unit circle and belongs in no target")
+        raise InputError(f"the zero {z0} is inside the unit circle; leave it out")
     direction = read_direction(eta, size)
     if b == 0 and any(entry.as_real_imag()[1] != 0 for entry in direction):
         raise InputError(f"the direction {list(direction)} of the real zero {z0} must be real")
@@ -272,7 +272,8 @@ def _least_squares(E: Matrix, Z: Matrix, size: int, taps: int | None) -> list[Ma
             return [whole[k * size : (k + 1) * size, :] for k in range(m)]
     if taps is not None and rank(columns) < E.rows:
         raise NoSolutionError(
-            f"{taps} taps do not carry {E.rows} zeros with these directions; leave taps out"
+            f"a target of {taps} taps cannot have {E.rows} zeros with these directions; leave the "
+            "argument taps out"
         )
     raise NoSolutionError(
         "the directions of one zero are linearly dependent; a zero of multiplicity m needs m "

@@ -103,8 +103,8 @@ def _modes(poly: Poly) -> dict[Mode, int]:
     for factor, multiplicity in poly.factor_list()[1]:
         if factor.degree() > 2:
             raise InputError(
-                f"the roots of {quoted(factor)} are no poles of factors of degree 1 or 2; write "
-                "the plant with symbols for its poles, or approximate them by rational numbers"
+                f"the factor {quoted(factor)} has a degree above 2, so that its roots have no "
+                "closed form here; write symbols for the poles, or rational numbers close to them"
             )
         leading, *rest = (sympy.sympify(c) for c in factor.all_coeffs())
         centre = sympy.expand(sympy.cancel(-rest[0] / (int(factor.degree()) * leading)))

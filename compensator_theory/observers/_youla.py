@@ -186,9 +186,9 @@ def youla_forms(
         if component.is_derogatory:
             raise InputError(
                 f"the closed loop has several Jordan blocks for {quoted(component.factor)}, of "
-                f"lengths {', '.join(map(str, component.block_lengths))}: its Youla forms make up "
-                f"a continuum, for its invariant subspaces do, of dimension {_sizes(component)}. "
-                "Remove the hidden mode of the compensator"
+                f"lengths {', '.join(map(str, component.block_lengths))}: its Youla forms "
+                f"make up a continuum of dimension {_sizes(component)}, as its invariant subspaces "
+                "do. Remove the hidden mode of the compensator"
             )
     forms = []
     for (inner, p_R), (outer, both) in itertools.product(

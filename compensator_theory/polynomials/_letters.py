@@ -67,7 +67,7 @@ def introduced(
     if symbol.name in (used := set(used_names)):
         another = fresh(used, *names)
         raise InputError(
-            f"{symbol} would be {meaning} and is {owner}; name one of the two otherwise, for "
+            f"{symbol} is {owner} and cannot also be {meaning}; rename one of the two, for "
             f"instance {another}"
         )
     return symbol

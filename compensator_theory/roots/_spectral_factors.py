@@ -209,7 +209,7 @@ def factor_spectrum(spectrum: Poly, degree: int, time: Time, digits: int = 30) -
     """
     bits = working_bits(digits)
     if spectrum.is_zero:
-        raise NoSolutionError("the spectrum to be factored is zero everywhere, and no factor is")
+        raise NoSolutionError("the spectrum is zero, so that it has no spectral factor")
     spectrum = require_rational(spectrum)
     if time == "continuous":
         return _factor_even(spectrum, digits, bits)

@@ -201,8 +201,8 @@ def stability_delays(
     """
     if isinstance(coefficients, str):
         raise InputError(
-            "give a list, a_0, a_1, ... of a_0(s) + a_1(s) exp(-tau s) + ...: of N/D in negative "
-            "feedback with a delay it is [D, N]"
+            "give a list, a_0, a_1, ... of a_0(s) + a_1(s) exp(-tau s) + ...: for N/D in negative "
+            "feedback with a delay give [D, N]"
         )
     coefficient_list = listed(coefficients, "degree", "the list of coefficients")
     if len(coefficient_list) < 2:

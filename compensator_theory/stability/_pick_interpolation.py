@@ -228,7 +228,7 @@ def nevanlinna_pick(
         raise InputError(f"the bound {gamma} must be a rational number, at least 0")
     if len(set(where)) < len(where):
         raise InputError(
-            "a point is there twice; give its value and derivatives in one list, as in "
+            "a point is listed twice; give its value and derivatives in one list, as in "
             "nevanlinna_pick([1], [[w, dw]])"
         )
     n = sum(map(len, w))

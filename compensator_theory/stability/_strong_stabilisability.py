@@ -227,11 +227,13 @@ def interlacing(plant: TransferMatrixLike, variable: str | Symbol | None = None)
     matrix = G if isinstance(G, TransferMatrix) else transfer_matrix(G)
     entries = [entry for entry in _entries(matrix) if not entry.numerator.is_zero]
     if not entries:
-        raise InputError("the plant 0 feels no input; it has no zeros to look at")
+        raise InputError("the plant is 0, so that it has no zeros")
     for poly in (matrix.denominator, *(entry.numerator for entry in entries)):
         require_rational(poly)
     if not all(entry.is_proper for entry in entries):
-        raise InputError(f"the plant {G} is improper; a realisable one has as many poles as zeros")
+        raise InputError(
+            f"the plant {G} is improper; give a plant with at least as many poles as zeros"
+        )
     reduced = [entry.reduced() for entry in entries]
     zeros = canonical(reduce(Poly.gcd, (entry.numerator for entry in reduced)))
     if matrix.shape == (1, 1):

@@ -269,12 +269,12 @@ def refined(
         D = None if D_p is None else columns_of(D_p, "D_p", l_p.shape[1])[None]
         options = {"subsystem": RepeatedParameters(l_p, D)}
         if B is not None or E_1 is not None:
-            raise InputError("A_p says where theta acts; leave B and E_1 out.")
+            raise InputError("A_p defines where theta acts; leave B and E_1 out.")
     listed: Sequence[int] = (2,) if delays is None else delays
     if window is not None:
         listed = range(1, integer(window, "window", at_least=1) + 1)
         if delays is not None:
-            raise InputError("window says which delays there are; leave delays out.")
+            raise InputError("window defines the delays; leave delays out.")
     model = RCMR(
         A, D_1, C, **options, beta=beta, lambda_=lambda_, delays=tuple(listed), d=d, method=method,
         eta_bar=eta_bar, k_update=k_update, theta_0=[theta_0], x_0=x_0,

@@ -119,7 +119,7 @@ def _chosen(experiment: Experiment, name: str | None) -> RunSpecification:
 
 
 def _refuse(subject: str, instead: str) -> NoReturn:
-    raise InputError(f"the explorer has no dial for {subject}; {instead}.")
+    raise InputError(f"the explorer has no control for {subject}; {instead}.")
 
 
 def _problem(plant: Plant) -> str:

@@ -394,7 +394,7 @@ class Check(Value):
         if not self.quoted:
             if self.within is not None:
                 raise InputError(
-                    f"within = {self.within} says how far from a number; give quoted too."
+                    f"within = {self.within} is a distance from quoted; give quoted too."
                 )
             low = -np.inf if self.at_least is None else self.at_least
             return low, np.inf if self.at_most is None else self.at_most
@@ -449,7 +449,7 @@ class CheckResult(Value):
     over_seeds : bool
         Whether the repetitions are other draws of the noise; otherwise they have the same data
         but for their last digits.
-    silence : str
+    missing_reason : str
         Why the values answer nothing; empty where they do.
     """
 

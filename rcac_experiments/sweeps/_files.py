@@ -189,7 +189,9 @@ def study_schema() -> dict[str, Any]:
 
 def _read(table: Raw, file: str) -> Study:
     if "study" not in table:
-        raise InputError("there is no table [study]; it says what varies. See `rcac sweep --help`.")
+        raise InputError(
+            "the table [study], which lists the axes, is missing. See `rcac sweep --help`."
+        )
     place = Location(file, "study")
     read: StudyTable = STUDY.read(require_table(table["study"], place), place)
     errors, axes = Errors(), []

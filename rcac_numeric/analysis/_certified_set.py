@@ -581,8 +581,8 @@ def _beside_gains(
             s = allowance.best_multipliers(K)
             if s is None:
                 raise NoSolutionError(
-                    f"no motion of the gains of this size is proved on {name}, with theta = "
-                    "theta_0 already: narrow input_gain or raise limit_share."
+                    f"{name}: stability is not proved for gains that move so far, even with theta "
+                    "= theta_0. Narrow input_gain or raise limit_share."
                 )
             multipliers.append(s)
         if repetition < ALTERNATIONS:

@@ -79,7 +79,8 @@ class LQG(Value):
         if np.isfinite(self.cost.value) and not ClosedLoop(self.plant, conversion).is_stable:
             raise IllConditionedError(
                 "the difference equation of this LQG controller, rounded to float64, makes the "
-                "loop unstable, its state space a stable one. Use state_space or to_control()."
+                "loop unstable; its state space makes the loop stable. Use state_space or "
+                "to_control()."
             )
         return conversion
 

@@ -124,7 +124,7 @@ def _part(
     if set(tree) == {"is"}:
         return records.value(tree["is"], arrays)
     if set(tree) != {"left out", "words"}:
-        raise ValueError(f"its {name!r:.60} is nothing that can be read")
+        raise ValueError(f"its {name!r:.60} cannot be read")
     if expected.get(name) is None:
         words = f"{tree['words']!s:.200}"
         give_it = Advice("load_run", ((name, ""),), f"Give it with {name}=")

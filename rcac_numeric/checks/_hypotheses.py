@@ -120,7 +120,7 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
     4 standard errors from zero.
     """
     if len(plants) < 2:
-        raise InputError("one plant is no choice; give two or more.")
+        raise InputError("there is one plant, so nothing to compare; give two or more.")
     errors: dict[tuple[str, int], Array] = {}
     for name, plant in plants.items():
         for delay in DELAYS:
@@ -130,7 +130,7 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
     if not errors:
         raise InputError(
             f"{log.source}: {log.steps} steps are too few to compare problems by prediction, or "
-            "nothing moves; say which it is."
+            "its signals are constant; name the problem."
         )
     steps = min(map(len, errors.values()))
     errors = {key: e[-steps:] for key, e in errors.items()}

@@ -469,7 +469,7 @@ def design(
     integer(steps, "steps", at_least=100, at_most=LONGEST)
     saturation = limits_of(u_limits)
     if not _range(saturation) > 0:
-        raise InputError(f"u_limits = {u_limits!r} leave u no choice: give low < high.")
+        raise InputError(f"u_limits = {u_limits!r} must have low < high.")
     if structure is not None:
         require_reducible(structure)
     instance_of(feedforward, "feedforward", bool)

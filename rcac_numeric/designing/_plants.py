@@ -231,9 +231,9 @@ class DesignPlant(Value):
         continuous = continuous_of(self)
         if continuous is None:
             raise NoSolutionError(
-                "the plant has a pole at 0 or on the negative axis that no plant in continuous "
-                "time has, so that its time constants cannot be varied; give it in s with "
-                "sample_time, or its dead time apart."
+                "the sampled plant has a pole at 0 or on the negative axis, which no continuous "
+                "plant gives: its time constants cannot be varied. Give the plant in s with "
+                "sample_time, or its dead time separately."
             )
         return _hold_sampled(continuous[0] / time, continuous[1] / time, self.fraction)
 
@@ -247,7 +247,9 @@ def slower_plant(plant: DesignPlant, every: int) -> DesignPlant:
     if every == 1:
         return plant
     if plant.later is not None or plant.fraction:
-        raise InputError("dead times by entry and fractions of a step have no slower plant yet.")
+        raise InputError(
+            "a slower plant is not available for dead times by entry or fractions of a step."
+        )
     late = -(-plant.delay // every)
     first = every - (late * every - plant.delay)  # steps with the earlier of both controls
     power, sums = np.eye(len(plant.A)), [np.zeros_like(plant.B), np.zeros_like(plant.B)]
@@ -328,14 +330,14 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
         return _with_dead_time(_of_plant(plant), late, steps)
     if isinstance(plant, ModellingInformation | DirectionInformation):
         raise InputError(
-            "modelling information is no model to try controllers on: cold_start(information, "
-            "order=..., stable=...) makes settings of it; design(ControllerLog(u, y)) finds one "
-            "in a log."
+            "modelling information does not suffice to test controllers: cold_start(information, "
+            "order=..., stable=...) returns settings; design(ControllerLog(u, y)) identifies a "
+            "model."
         )
     if plant is None or isinstance(plant, int | float):
         raise InputError(
-            f"plant = {plant!r} is none: give a transfer function such as '1/(10*s + 1)', a Plant, "
-            "a system of python-control, or a ControllerLog(u, y)."
+            f"plant = {plant!r} is no plant: give a transfer function such as '1/(10*s + 1)', a "
+            "Plant, a system of python-control, or a ControllerLog(u, y)."
         )
     if isinstance(plant, FunctionPlant):
         raise InputError(
@@ -473,9 +475,8 @@ def _of_plant(plant: Plant) -> DesignPlant:
         )
     if not np.array_equal(plant.E_1, plant.C):
         raise InputError(
-            "z of this plant is not what is measured, and design takes the map from u to y as the "
-            "plant: give a Plant with E_1 = C, or set the controller up by lqg_controller and "
-            "ControllerSettings."
+            "z of this plant is not the measured y, but design controls y: give a Plant with "
+            "E_1 = C, or use lqg_controller and ControllerSettings."
         )
     m = plant.l_u
     sign = -1.0 if dict(plant.blocks) == {"r": m, "d": m, "v": m} else 1.0
@@ -501,8 +502,8 @@ def refuse_states(plant: DesignPlant) -> None:
         raise BudgetError(
             f"the plant has {len(plant.A)} states, its float64 matrices have no truncation that is "
             f"near enough, and the Riccati equations of a design take at most {MOST_STATES}. "
-            "Reduce its order, for instance by control.balred, and give a dead time that stands "
-            "among its states apart, as dead_time."
+            "Reduce its order, for instance by control.balred, and give a dead time "
+            "among its states as dead_time."
         )
 
 
@@ -516,15 +517,15 @@ def checked_plant(plant: DesignPlant) -> DesignPlant:
             f"controller; at most {LONGEST_DELAY // plant.m} are taken. Sample more slowly."
         )
     if not len(plant.A) or not plant.low_gain > 0:
-        raise InputError("the plant does not answer to u at all: its gain is 0.")
+        raise InputError("u has no effect on y: the plant has gain 0.")
     size = np.abs(plant.response(LOW)[0])
     for name, axis in (("output", 1), ("input", 0)):
         gains = np.linalg.norm(size, axis=axis)
         if not gains.max() <= ALIKE * gains.min():
             raise InputError(
                 f"{name} {int(gains.argmin()) + 1} of the plant has a gain of {gains.min():.3g}, "
-                f"{name} {int(gains.argmax()) + 1} of {gains.max():.3g}: errors and controls are "
-                "weighed alike. Give every signal in units of its own range."
+                f"{name} {int(gains.argmax()) + 1} of {gains.max():.3g}: design weighs all "
+                "errors alike and all controls alike. Give every signal in units of its own range."
             )
     return plant
 

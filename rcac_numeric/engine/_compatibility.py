@@ -21,8 +21,8 @@ def controllers_of(controller: AnyController) -> tuple[OneController, ...]:
     instance_of(controller, "settings", AnyController)
     if isinstance(controller, StepwiseController):
         raise InputError(
-            f"the steps of a {type(controller).__name__} are Python, which only `simulate` runs: "
-            "no batch and no reference arithmetic does. Call `simulate` for each case."
+            f"a {type(controller).__name__} computes its steps in Python: `simulate` runs it, "
+            "batches and the reference arithmetic do not. Call `simulate` for each case."
         )
     if isinstance(controller, Decentralized):
         return tuple(controller.controllers)

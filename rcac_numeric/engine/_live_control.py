@@ -67,8 +67,8 @@ def _apply_target(
         distance = kernel.set_target(target.numerator, target.denominator, option)
     except OverflowError:
         raise DivergedError(
-            f"to replay the last steps with the new target left the range of float64 at step "
-            f'{kernel.k}; the controller is as it was. Use covariance="reset".'
+            f"the replay of the last steps with the new target overflows float64 at step "
+            f'{kernel.k}; the controller is unchanged. Use covariance="reset".'
         ) from None
     lost = option == "blend" and distance >= 0.999
     return "reset" if lost else option, float(distance)
@@ -82,7 +82,7 @@ def require_fits(target: TargetModel, settings: ControllerSettings, longest_orde
         raise InputError(
             f"the new target model is {target.l_z} x {target.l_u} and the controller's "
             f"{was.l_z} x {was.l_u}: the number of signals cannot change while it runs. The "
-            "controller is as it was; give a target of that shape, or start another controller."
+            "controller is unchanged; give a target of that shape, or start another controller."
         )
     if target.n_f > longest_order:
         raise InputError(
@@ -92,7 +92,7 @@ def require_fits(target: TargetModel, settings: ControllerSettings, longest_orde
     if settings.form == "filter" and target.relative_degree == 0:
         raise ImproperError(
             'form = "filter" updates before u(k) is known, so the target model must be strictly '
-            "proper; the controller is as it was."
+            "proper; the controller is unchanged."
         )
 
 
@@ -101,7 +101,7 @@ def _option(covariance: str, settings: ControllerSettings, target: Array, was: A
     update = settings.update
     if isinstance(update, Gradient | Instantaneous):
         if covariance == "replay":
-            raise InputError(f'{update!r} keeps nothing, so there is nothing to do with "replay".')
+            raise InputError(f'{update!r} stores no samples that covariance="replay" could replay.')
         return "keep"
     if isinstance(update, SlidingWindow):  # its rows are those of one target or of the other
         return "keep" if covariance == "keep" else "replay"
