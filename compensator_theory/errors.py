@@ -156,7 +156,7 @@ class UnitCircleError(CompensatorError):
 
 
 class DivergedError(CompensatorError):
-    """A closed loop left the range of float64; what came before is in the result."""
+    """A closed loop left the range of float64; the result has the steps before."""
 
 
 class IllConditionedError(CompensatorError):
@@ -168,7 +168,7 @@ class PrecisionError(CompensatorError):
 
 
 class FunctionFailedError(CompensatorError):
-    """A function that was passed in failed; `run` holds what was computed before."""
+    """A function that was passed in failed; `run` holds the steps before."""
 
     def __init__(self, *parts: str | Advice, run: object = None) -> None:
         super().__init__(*parts)
@@ -187,5 +187,5 @@ class WrongAnswerError(CompensatorError):
         self.judgement = judgement
 
     def _render_traceback_(self) -> list[str]:
-        """Return what a notebook shows: the sentence without the frames of the checker."""
+        """Return the notebook view: the sentence without the frames of the checker."""
         return [str(self)]

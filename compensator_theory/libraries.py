@@ -128,7 +128,7 @@ ELSEWHERE = {
 
 
 def absent_attribute(owner: object, name: str) -> AttributeError:
-    """Return the AttributeError of a system, with what is typed here for another program's name.
+    """Return the AttributeError of a system; it translates a name of another program.
 
     Examples
     --------

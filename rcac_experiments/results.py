@@ -1,4 +1,4 @@
-"""The classes of what verifications, studies, errata and tuning return.
+"""Classes of the results of verifications, studies, errata and tuning.
 
 Nobody constructs them: they are here to be named in annotations and to be read about. Each is
 imported when it is first used.

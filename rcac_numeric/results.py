@@ -1,4 +1,4 @@
-"""The classes of what the numeric functions return: runs' analyses, costs, margins, checks, tables.
+"""Classes of the results of numeric functions: analyses, costs, margins, checks, tables.
 
 Nobody constructs them: they are here to be named in annotations and to be read about. Each is
 imported when it is first used.

@@ -517,7 +517,7 @@ class _CoqFile:
         return _list([*listed, *more])
 
     def _quotients(self, terms: Sum) -> tuple[str, int]:
-        """Return the quotients by the modulus, and what they are multiplied with."""
+        """Return the quotients by the modulus, and their common scale."""
         if not self.modulus:
             return "[::]", 1
         ring = self.ring.clone(domain=QQ)

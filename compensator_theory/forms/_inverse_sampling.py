@@ -580,7 +580,7 @@ def _exponential_on(
 
 
 def _divisors(h: Expr, *matrices: ImmutableMatrix) -> tuple[Expr, ...]:
-    """Return what the matrices are divided by, but for the step, which is positive."""
+    """Return the factors of the denominators of matrices, without the step, which is positive."""
     factors = exceptional_factors(sympy.fraction(entry)[1] for part in matrices for entry in part)
     return tuple(factor for factor in factors if factor != h)
 

@@ -740,7 +740,7 @@ def _residuals(
 def _trace_gap(
     plane: Sequence[flint.fmpq_mat], P: Grid, chi: Sequence[flint.fmpq_poly], time: Time
 ) -> flint.fmpq_poly:
-    """Return the sum of the closed-loop poles, in the half plane, minus that of the left roots.
+    """Return the sum of the closed-loop poles minus that of the stable roots, in the half plane.
 
     The graph of a solution is invariant under the Hamiltonian matrix, so that the closed-loop poles
     are one of each pair of its eigenvalues; the left ones, and no others, have this sum.

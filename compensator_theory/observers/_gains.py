@@ -114,7 +114,7 @@ def _one_of_many(
 
 
 def _rational_gain(a: flint.fmpq_mat, b: flint.fmpq_mat, goal: flint.fmpq_poly) -> ImmutableMatrix:
-    """Compute in integers: A = A_i/d, b = b_i/e, and r A_i^k b_i = 0 but for the last k."""
+    """Compute the gain in integers: A = A_i/d, b = b_i/e; r A_i^k b_i = 0 but for the last k."""
     n = int(a.nrows())
     (A, d), (column, e) = a.numer_denom(), b.numer_denom()
     columns = [column]

@@ -186,7 +186,7 @@ _PLANE = flint.fmpz_mpoly_ctx.get(("x", "y"), flint.Ordering.lex)
 
 
 def rational_number(number: Rational) -> Algebraic:
-    """Return a rational number among the algebraic ones."""
+    """Return a rational number as an element of python-flint's algebraic numbers."""
     value = flint.fmpq(int(number.p), int(number.q))
     with ball_precision(64):
         return Algebraic(flint.fmpz_poly([-value.p, value.q]), flint.acb(value))

@@ -78,7 +78,7 @@ def require_rational_functions(entries: Iterable[Expr], name: str) -> None:
 
 
 def irrational_constants(expressions: Iterable[Expr]) -> set[Expr]:
-    """Return the parts that are neither rational numbers nor symbols, nor made of them."""
+    """Return the parts that are not composed of rational numbers and symbols."""
     constants: set[Expr] = set()
     waiting = list(expressions)
     while waiting:

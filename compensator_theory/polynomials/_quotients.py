@@ -67,7 +67,7 @@ class Quotient:
 
     @property
     def is_plain(self) -> bool:
-        """Whether it is made of symbols and rational numbers alone."""
+        """Whether it contains symbols and rational numbers alone."""
         return all(generator.is_Symbol for generator in self.generators)
 
     @property

@@ -141,7 +141,7 @@ class HasCharacteristicPolynomial(Protocol):
 
     @property
     def characteristic_polynomial(self) -> Poly:
-        """Whose roots are the poles, hidden ones counted."""
+        """Return the polynomial whose roots are the poles, hidden ones counted."""
         ...
 
 
@@ -210,7 +210,7 @@ def _shows_variable(poly: Poly) -> bool:
 
 
 def _reading(obj: PolynomialLike) -> tuple[Readable, Any]:
-    """Return the part of an argument with the variable, and the argument, read if possible."""
+    """Return the part of an argument that names the variable, and the argument as read."""
     read = read_once(obj)
     if isinstance(read, Poly):
         return (canonical(read) if len(read.gens) == 1 else read.as_expr()), obj

@@ -217,7 +217,7 @@ def _bits(number: Expr) -> int:
 
 
 def irrational_parts(number: Expr) -> set[Expr]:
-    """Return the roots, the imaginary unit and the indexed roots that a number is made of."""
+    """Return the roots, the imaginary unit and the indexed roots in a number."""
     constants: set[Expr] = set()
     waiting = [number]
     while waiting:

@@ -80,7 +80,7 @@ class GainBound:
     def certificate(
         self, slacks: tuple[float, ...] = (1e-9, 1e-16, 1e-24)
     ) -> flint.fmpq_mat | None:
-        """Return a P that proves the bound, of dyadic rationals; None where none was found.
+        """Return a P of dyadic rationals that proves the bound, or None.
 
         P solves the Riccati equation of the lemma with C'C + slack W^-1 in place of C'C, W the
         diagonal of the reachability Gramian: what the slack adds is relative to R, whatever the
@@ -97,7 +97,7 @@ class GainBound:
     def largest_certificate(
         self, slacks: tuple[float, ...] = (1e-9, 1e-16, 1e-24)
     ) -> flint.fmpq_mat | None:
-        """Return a P near the largest one, of dyadic rationals; None where none was found.
+        """Return a P of dyadic rationals near the largest solution, or None.
 
         x'Px is then nearly the least supply sum a^(2 (N - k)) (v'Rv - y'y) that brings the state
         from 0 to x, so that {x: x'Px <= c} is the smallest set of this kind that holds what a

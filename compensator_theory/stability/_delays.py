@@ -233,7 +233,7 @@ def stability_delays(
     H = _resultant(polys)
     if H.is_zero:
         raise NoSolutionError(
-            "a root is on the imaginary axis, or one on each side, for every delay: the "
+            "for every delay a root is on the imaginary axis, or a pair symmetric about it: the "
             "coefficients share such a factor; divide it out first"
         )
     for factor, multiplicity in H.factor_list()[1]:

@@ -134,7 +134,7 @@ OTHER_SIGN = "with the other sign of feedback the loop is stable"
 
 
 class CountedLoop:
-    """What the root counts of a loop say of it."""
+    """Stability of a loop by its root counts."""
 
     open_loop: RootCount
     closed_loop: RootCount

@@ -284,7 +284,7 @@ def routh_array(poly: PolynomialOrSystem, variable: str | Symbol | None = None) 
 def _routh_rows(
     p: Poly,
 ) -> tuple[tuple[Row, ...], tuple[tuple[int, Poly], ...], tuple[int, ...], Symbol | None]:
-    """Return the rows, the auxiliary polynomials of zero rows, and what replaces zero pivots."""
+    """Return the rows, auxiliary polynomials of zero rows, and substitutes of zero pivots."""
     field: Domain = p.domain.get_field()
     n, s = int(p.degree()), p.gen
     descending = [field.convert(c) for c in p.set_domain(field).rep.to_list()]

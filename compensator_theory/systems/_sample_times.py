@@ -38,7 +38,7 @@ class System(ExactValue):
     else:  # hidden from type checkers, to which it would give every attribute
 
         def __getattr__(self, name: str) -> Any:
-            """Refuse an attribute that does not exist, with what is typed for it."""
+            """Refuse an attribute that does not exist, and name the one to type."""
             raise absent_attribute(self, name)
 
     def __bool__(self) -> bool:
@@ -110,7 +110,7 @@ def _seconds(period: Any) -> str:
 
 
 def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
-    """Return the system with a sample time; refuse one that contradicts its own."""
+    """Return the system with a sample time; refuse one that contradicts the known one."""
     period = period_in(system.variable, sample_time)
     agreed_period(system.sample_time, period)
     if period is None or system.sample_time is not None:

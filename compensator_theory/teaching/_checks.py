@@ -260,7 +260,7 @@ def _joined(exercise: Exercise) -> SearchStrategy[Case]:
 
 
 def _fault(exercise: Exercise, answer: Any, case: Case) -> str | None:
-    """What is wrong with an answer in a case; what the answer raises is its fault, too."""
+    """Return the fault of an answer in a case; an exception of the answer is a fault, too."""
     try:
         return exercise.fault(answer, *case)
     except NotImplementedError:

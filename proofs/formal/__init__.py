@@ -1,1 +1,1 @@
-"""Coq: its files, what it is asked of them, and what it answers."""
+"""The formal part: files of Coq, questions to Coq, and its answers."""

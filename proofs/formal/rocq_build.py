@@ -20,7 +20,7 @@ PACKAGES = (
 
 @dataclass(frozen=True)
 class Compilation:
-    """What compiling the formal part gave.
+    """The result of compiling the formal part.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What each definition and named theorem says, as Coq prints it, held against what is committed.
+"""Types of definitions and named theorems, as Coq prints them, compared with the committed text.
 
 A type is that after every section is closed: each hypothesis and variable of a section that a
 proof uses is in it, whether the source shows it beside the theorem or not.
@@ -46,7 +46,7 @@ def printed_statements(
 
 
 def statement(answer: str) -> str:
-    r"""Put what Coq printed, shortened and whole, into one text; empty if there is too little.
+    r"""Join the output of Coq, shortened and whole, in one text; empty if it is incomplete.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""The ledger: its entries, the checks that they name, and what became of each."""
+"""The ledger: its entries, the checks that they name, and the outcome of each."""

@@ -1,4 +1,4 @@
-"""What became of one piece of evidence."""
+"""The outcome of one piece of evidence."""
 
 from dataclasses import dataclass
 from typing import Literal

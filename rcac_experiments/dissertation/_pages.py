@@ -1,4 +1,4 @@
-"""The pages of the dissertation's examples: whose work they are, what holds, and where to look."""
+"""The pages of the dissertation's examples: origin and verdict of each claim, with its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables of a numbered example, for evidence that is about what it says."""
+"""The tables of a numbered example, for evidence about its file."""
 
 from __future__ import annotations
 

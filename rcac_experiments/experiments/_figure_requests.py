@@ -113,7 +113,7 @@ STANDARD_FIGURES = (
 
 
 def require_drawable(request: FigureRequest, runs: Collection[str]) -> FigureRequest:
-    """The request itself, where the runs and the measure that it names are there."""
+    """Return the request if the runs and the measure that it names exist."""
     for name in request.runs:
         if name not in runs:
             raise InputError(

@@ -1,4 +1,4 @@
-"""The true system of an estimation example, and the records that are made of it."""
+"""The true system of an estimation example, and the records computed from it."""
 
 from __future__ import annotations
 

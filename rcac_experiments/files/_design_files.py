@@ -1,4 +1,4 @@
-"""The experiment files that a design is made of, and that it is written to."""
+"""Experiment files: read for a design, and written from one."""
 
 from __future__ import annotations
 
@@ -214,7 +214,7 @@ def _structure_lines(structure: Structure) -> list[str]:
 
 
 def _require_same(text: str, plant: Plant, settings: ControllerSettings, w: Array) -> None:
-    """Refuse a file that does not read back as what it was written from, signals by value."""
+    """Refuse a file that does not read back as its design, signals compared by value."""
     run = build(parsed(text), NAME).runs[RCAC]
     read = linear_plant(run.plant)
     ours, theirs = (
@@ -234,7 +234,7 @@ def _numbers(value: Any) -> str:
 
 
 def _signal(signal: Signal, steps: int, factor: float = 1.0) -> str:
-    """A signal as an inline table; a factor goes into what it multiplies."""
+    """A signal as an inline table; a factor is multiplied into its signal."""
     if isinstance(signal, Scaled):
         return _signal(signal.signal, steps, factor * signal.factor)
     if isinstance(signal, Sum):

@@ -1,4 +1,4 @@
-"""The runs of an experiment file: its tables joined with what each run overrides, then read."""
+"""The runs of an experiment file: its tables joined with the overrides of each run, then read."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ OPEN_VALUE, OVERRIDE = Table(OpenValue), Table(Override)
 
 @attrs.frozen(eq=False)
 class RunTables(Value):
-    """One run as its file describes it, every value read and nothing made."""
+    """One run as its file describes it: values are read, objects are not built."""
 
     name: str
     plant: PartialCall[Plant | PlantSchedule]
@@ -130,7 +130,7 @@ class RunTables(Value):
         plant: Plant | PlantSchedule,
         built: tuple[AnyController, TargetModel | None] | None = None,
     ) -> RunSpecification:
-        """The run, its plant being made already, and perhaps what its controller builds for it."""
+        """The run, with its plant, and with the objects that its controller needs."""
         controller, target = built or self.controller.build(plant)
         run = self.run_options.of(
             plant,

@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def is_attrs_class(make: Any) -> bool:
-    """Whether the fields of a class say what it is made of."""
+    """Whether the fields of a class are the arguments of its constructor."""
     return isinstance(make, type) and attrs.has(make)
 
 

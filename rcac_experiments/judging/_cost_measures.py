@@ -105,7 +105,7 @@ def _reached(plant: Plant, compensator: Compensator, noise: Key) -> float:
 
 
 def _key(noise: NoiseIntensities | None) -> Key:
-    """Intensities as what can be looked up."""
+    """Intensities as a mapping."""
     if noise is None:
         return None
     values = {name: np.asarray(value, dtype=np.float64) for name, value in noise.items()}

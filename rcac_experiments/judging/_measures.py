@@ -40,7 +40,7 @@ MARGINS: tuple[str, ...] = get_args(MarginKind)
 
 
 def measure(function: Measure) -> Measure:
-    """Make a function available to claims under its own name."""
+    """Make a function available to claims, under its name."""
     MEASURES[function.__name__] = function
     return function
 
@@ -193,7 +193,7 @@ def identified_zero_error(r: LoopAnalysis, start: int = 0, stop: int | None = No
 
 
 def windows_of(run: Run) -> tuple[IdentifiedWindow, ...]:
-    """What windows of 70 samples of a run show of its plant, of whose order the model is."""
+    """Models of the plant of a run, of its order, from windows of 70 samples."""
     n = plant_at(run.plant, 0).n
     return identify_windows(acting_input(run), run.z, 2 * n + 2, n, window=WINDOW, order=n)
 
@@ -576,7 +576,7 @@ def frozen_spectral_radius(r: LoopAnalysis, at: int) -> float:
 
 @measure
 def stable_from(r: LoopAnalysis, start: int = 0) -> float:
-    """First kept step from which the loop, frozen at theta(k), is stable to the end of the run.
+    """First stored step from which the loop, frozen at theta(k), is stable to the end of the run.
 
     Infinity where it is unstable at the last one; steps before `start` do not count.
     """

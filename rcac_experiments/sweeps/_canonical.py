@@ -27,7 +27,7 @@ def canonical_json(value: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """The data in JSON's own types, every number as it is."""
+    """The data in the types of JSON, every number unchanged."""
     if value is None or isinstance(value, bool | str | int):
         return value
     if isinstance(value, np.ndarray | np.generic):
@@ -85,7 +85,7 @@ def data_files(value: Any) -> set[str]:
 
 
 def file_digests(value: Any, folder: str) -> dict[str, str]:
-    """Every data file that a text in `value` names, with what is in it in short."""
+    """Every data file that a text in `value` names, with its digest."""
     files = {name: Path(folder) / name for name in sorted(data_files(value))}
     return {name: _digest_of_file(path) for name, path in files.items() if path.is_file()}
 

@@ -1,4 +1,4 @@
-"""From coordinates to cases: each cell is made once, and its plant once for many."""
+"""From coordinates to cases: each cell is computed once, and its plant once for many cells."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ class Cells:
         return Cell(study, coordinates, specification, {})
 
     def _specification(self, document: dict[str, Any]) -> RunSpecification:
-        """A document with a cache of everything made from it."""
+        """A document with a cache of the objects built from it."""
         file = self.study.file
         if self._read is None:
             tables = read_run(document, {"name": "main"}, file)

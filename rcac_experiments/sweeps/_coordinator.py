@@ -48,7 +48,7 @@ class Pool:
 
     @property
     def executor(self) -> Executor:
-        """The executor; it is made for the first run."""
+        """The executor, created for the first run."""
         if self._executor is None:
             if isinstance(self._source, Executor):
                 self._executor = self._source
@@ -61,12 +61,12 @@ class Pool:
         return self._executor
 
     def renew(self) -> None:
-        """Discard a broken executor; the next one is made on demand."""
+        """Discard a broken executor; the next one is created on demand."""
         self.leave()
         self._executor = None
 
     def end(self) -> None:
-        """Shut down the executor, unless the user made it."""
+        """Shut down the executor, unless it is the user's."""
         if self._executor is not None and self._executor is not self._source:
             self._executor.shutdown()
 

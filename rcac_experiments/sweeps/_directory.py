@@ -78,7 +78,7 @@ class Directory:
         return None
 
     def make(self, name: str) -> None:
-        """Make a folder in it, unless something is there."""
+        """Create a folder in it, unless the name exists."""
         try:
             with suppress(FileExistsError):
                 os.mkdir(self._at(name), dir_fd=self.handle)

@@ -229,7 +229,7 @@ class Folder:
         self.chunks.put(file_of(number), data)
 
     def read(self, numbers: Iterable[int] | None = None, guarded: bool = True) -> Iterator[Chunk]:
-        """The chunks of which there is a file, by increasing number, compared with the plan.
+        """The chunks that have a file, by increasing number, compared with the plan.
 
         With `guarded` in a child with limits: who made the folder is not known.
         """

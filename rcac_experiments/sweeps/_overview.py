@@ -65,7 +65,7 @@ class SweepOverview(Result):
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """How many results there are of which kind, the most frequent first."""
+        """Number of results of each outcome, the most frequent first."""
         return dict(Counter(self.table["outcome"].tolist()).most_common())
 
     @property

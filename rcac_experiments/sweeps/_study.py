@@ -229,7 +229,7 @@ def _base(
 
 
 def with_value(document: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:
-    """The document with one value set; what is around it is copied, nothing changed.
+    """A copy of the document with one value set.
 
     The table around it must be there; the last key may be new, an entry of a list may not.
     """

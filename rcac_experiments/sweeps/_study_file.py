@@ -1,4 +1,4 @@
-"""study.json: the complete request of a study, and the versions that made its runs."""
+"""study.json: the complete request of a study, and the versions that computed its runs."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class MeasureFailed(Exception):
 
 
 class KeyWatch:
-    """Sees Ctrl-C while it is entered, so that a measure's own KeyboardInterrupt is told from it.
+    """Notices Ctrl-C while it is entered, to distinguish it from a KeyboardInterrupt of a measure.
 
     It takes the place of Python's handler of SIGINT in the main thread, and hands on to it.
     """
@@ -280,7 +280,7 @@ def _record(run: int, cell: Cell, loop_run: Run, words: str) -> RunRecord:
 
 
 def _alone(cell: Cell, repetition: int) -> Run:
-    """Run what no batch runs."""
+    """Run the cases that no batch runs."""
     if cell.is_stepwise:
         case = cell.case(repetition)
         return simulate(case.plant, case.settings, case.w, **case.options)

@@ -1,1 +1,1 @@
-"""Settings of a design found by trying, also over processes and into the store of a study."""
+"""Settings of a design, tuned by simulation: in threads, or in processes with a store."""

@@ -683,7 +683,7 @@ def dependent_directions(responses: ComplexArray) -> Array:
 
 
 def _uncovered(settings: ControllerSettings, plants: int, gains: InputGains) -> tuple[str, ...]:
-    """Return what the proof does not cover."""
+    """Return the conditions that the proof does not cover."""
     limited, amplified = gains.moving()
     among = (
         ""

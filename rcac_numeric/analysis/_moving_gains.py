@@ -100,7 +100,7 @@ def input_gains(input_gain: object, limit_share: object) -> InputGains:
 
 @dataclass(frozen=True, eq=False)
 class PerturbedLoop:
-    """The loop of a center as a system from the gains that move to what they multiply; exact.
+    """The loop of a center, exact: the moving gains are cut out as inputs and outputs.
 
     x(k+1) = A x + B v, (phi, q) = C x + D v: v is Delta phi of theta, then delta q for each gain
     with abs(delta) <= 1.
@@ -156,7 +156,7 @@ def perturbed_loop(
 
 @dataclass(frozen=True, eq=False)
 class ActuatorSignals:
-    """Rows over (x, v) of u, of what limits apply of it, and of what the plant receives.
+    """Rows over (x, v) of u, of u after its limits, and of the input of the plant.
 
     `multiplied` are the signals that the gains multiply, times the half width of each.
     """
@@ -252,14 +252,14 @@ class RoundedLoop:
         return RoundedLoop(A, B, self.C[:taps], np.zeros((taps, m)), taps, m)
 
     def allowance(self, scale: Array, rate: float) -> Allowance:
-        """Return what the gains beside theta leave to theta."""
+        """Return the bound on theta beside the moving gains."""
         return Allowance(self.responses(rate) * np.concatenate([scale, np.ones(self.gains)]),
                          self.taps, self.inputs)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class Allowance:
-    """What gains that move leave to theta: the scaled bound on a grid, as a bound on theta alone.
+    """The bound on theta beside moving gains: the scaled bound on a grid, as one on theta alone.
 
     Attributes
     ----------

@@ -469,7 +469,7 @@ class _Channel:
         return GainBound(A, B, C / a, R, a, D / a)
 
     def proved_gain(self, output: int, rate: float, supply: float, P: fmpq_mat) -> float | None:
-        """Return what P proves, rounded up; None where it proves nothing."""
+        """Return the bound that P proves, rounded up; None where it proves none."""
         if not (0 < rate < 1 and 0 < supply < np.inf):
             return None
         if not self.bound(rate, supply).is_proved_by(P):
@@ -488,7 +488,7 @@ class _Channel:
             return float(np.nextafter(float(upper), np.inf)) if upper.is_finite() else None
 
     def smallest(self, output: int, start: Array | None) -> tuple[ChannelBound, Array]:
-        """Return the smallest gain that was found and proved, and where."""
+        """Return the smallest proved gain, and its point of the search."""
         point = self._searched(output, start)
         for _ in range(SLOWER):
             rate, supply = self._parameters(point)

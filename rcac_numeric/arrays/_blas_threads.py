@@ -1,4 +1,4 @@
-"""One thread of BLAS for many small matrices: more of them wait for each other."""
+"""One BLAS thread for many small matrices: several threads would wait for each other."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class Records:
         if type(tree) in PLAIN:
             return tree
         if not isinstance(tree, dict) or frozenset(tree) not in FORMS:
-            raise ValueError(f"{str(tree)[:80]!r} stands for nothing")
+            raise ValueError(f"{str(tree)[:80]!r} is not an entry of a record")
         match tree:
             case {"float": str() as digits}:
                 return _float(digits)
@@ -108,7 +108,7 @@ class Records:
                 return _name(name)
             case {"number": str() as digits}:
                 return exact.exact_number(_fraction(digits))
-        raise ValueError(f"{str(tree)[:80]!r} stands for nothing")
+        raise ValueError(f"{str(tree)[:80]!r} is not an entry of a record")
 
     def _instance(self, name: str, parts: dict[str, Any]) -> Any:
         if name in _exact():

@@ -558,8 +558,8 @@ def _from_polynomials(log: ControllerLog) -> Compensator:
     D_c, N_c = np.trim_zeros(log.D_c, "f"), np.trim_zeros(log.N_c, "f")
     if not len(D_c) or len(N_c) > len(D_c):
         raise InputError(
-            f"{log.source}: D_c has degree {len(D_c) - 1} and N_c degree {len(N_c) - 1}; the "
-            "controller would use future values, or is none."
+            f"{log.source}: D_c has degree {len(D_c) - 1} and N_c degree {len(N_c) - 1}; D_c "
+            "must not be zero, and its degree not below that of N_c (future values of y)."
         )
     with np.errstate(over="ignore"):
         N_c = np.concatenate([np.zeros(len(D_c) - len(N_c)), N_c]) / D_c[0]

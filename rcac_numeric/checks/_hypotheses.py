@@ -152,7 +152,7 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
 
 
 def _errors(log: ControllerLog, plant: Plant, delay: int) -> Array | None:
-    """One-step errors, less a constant and the prediction from their own past."""
+    """One-step errors minus a constant and the prediction from past errors."""
     if (plant.l_u, plant.l_y) != (log.u.shape[1], log.y.shape[1]):
         raise InputError(
             f"{log.source}: the log has l_u = {log.u.shape[1]}, l_y = {log.y.shape[1]}, the plant "

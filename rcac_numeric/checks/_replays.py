@@ -206,7 +206,7 @@ class Replayer:
         return agreeing[0] if agreeing else min(replays, key=lambda each: each.worst)
 
     def rows(self, convention: Convention, log: ControllerLog | None = None) -> list[ThetaRows]:
-        """The log by a convention, for each row of theta that may have made u(k)."""
+        """The log in a convention, for each row of theta that u(k) may belong to."""
         log = (self.log if log is None else log).converted(convention, self.structure)
         assert log.theta is not None
         moved = np.abs(convention.theta(self.errors.theta, self.structure))
@@ -231,7 +231,7 @@ class Replayer:
 
 
 def shifted(rows: Array, shift: int) -> Array:
-    """The row of theta that made u(k), for each k; the end is repeated."""
+    """The row of theta that u(k) belongs to, for each k; the last row is repeated."""
     if shift > 0:
         return np.concatenate([rows[:shift], rows[:-shift]])[: len(rows)]
     return np.concatenate([rows[-shift:], rows[shift:]])[: len(rows)] if shift else rows

@@ -213,7 +213,7 @@ class ScheduledSteps(ShowsState, Truth):
 
     @property
     def theta(self) -> Array:
-        """The scheduling variable that made the last u, shape (1,); the first value before."""
+        """The scheduling variable of the last u, shape (1,); before it the first value."""
         return np.array([self._value])
 
     def step(self, y: ArrayLike, r: ArrayLike = (), u_applied: ArrayLike | None = None) -> Array:

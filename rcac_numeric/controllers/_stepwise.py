@@ -22,7 +22,7 @@ class Stepper(Protocol):
 
     @property
     def theta(self) -> Array:
-        """The parameters that made the last u, shape (l_theta,)."""
+        """The parameters of the last u, shape (l_theta,)."""
 
     def step(self, y: Array, r: Array) -> Array:
         """u(k), shape (l_u,), from y(k) and the command."""

@@ -46,7 +46,7 @@ TRIED = 4  # credible models for which a controller is designed until one passes
 
 
 class PartsOfALog(Result):
-    """What the parts of a log say beside the model of the whole, for one signal or several."""
+    """Models of parts of a log beside the model of the whole log, for one signal or several."""
 
     if TYPE_CHECKING:
 

@@ -109,7 +109,7 @@ class LoggedMatrix(PartsOfALog):
 
     @property
     def evidence(self) -> str:
-        """The gates that were passed, and what was assumed."""
+        """The tests that were passed, and the assumptions."""
         names = ", ".join(gate.name for gate in self.model.gates if gate.passed)
         return "; ".join([f"gates passed: {names}", *self.model.assumptions])
 
@@ -400,7 +400,7 @@ def search_of_logs(
 
 
 def merged(fit: JointFit, part: JointFit) -> JointFit:
-    """A fit with the channels of a part in place of its own."""
+    """A fit with the channels of a part of the log."""
     channels = tuple(part.channel(one.input) or one for one in fit.channels)
     return replace(fit, channels=channels)
 

@@ -390,7 +390,7 @@ def reference_loop(
 
 
 def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> tuple[float, ...]:
-    """Remove disturbance models that a plant zero blocks; refuse what no controller rejects then.
+    """Remove disturbance models that a plant zero blocks; refuse commands at their poles.
 
     A zero at the pole of the disturbance model blocks d, and an integrating controller beside it
     has an uncontrollable mode. At that frequency no controller follows a command or rejects a

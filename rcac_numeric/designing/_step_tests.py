@@ -13,7 +13,7 @@ LONGEST = 3.0  # factor between time constants; a wider interval is of a record 
 def plant_of_step(
     step: StepResponse, period: float, dead_time: ArrayLike | None = None
 ) -> DesignPlant:
-    """The plant, sampled, with its own dead time or another one."""
+    """The sampled plant, with the identified dead time or another one."""
     return read_plant(step.plant, period, step.dead_time if dead_time is None else dead_time)
 
 

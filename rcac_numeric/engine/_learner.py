@@ -111,7 +111,7 @@ class DataDrivenLearner:
         return np.concatenate([sizes, self._current, *parts, model])
 
     def restore(self, values: Array) -> None:
-        """Go back, or forward, to what `save` gave."""
+        """Restore the state that `save` returned."""
         sizes = values[:2]
         if len(sizes) < 2 or not (sizes >= 0).all() or not (sizes <= len(values)).all():
             raise ValueError("it holds no state of a learner")
@@ -199,7 +199,7 @@ class FrozenPerturbation:
         return np.asarray(self._rows.reshape(-1))
 
     def restore(self, values: Array) -> None:
-        """Go back, or forward, to what `save` gave."""
+        """Restore the state that `save` returned."""
         width = self._rows.shape[1]
         rows, rest = divmod(len(values), width)
         if rest or not self._longest <= rows <= self._settings.window + self._longest:

@@ -97,7 +97,7 @@ def require_fits(target: TargetModel, settings: ControllerSettings, longest_orde
 
 
 def _option(covariance: str, settings: ControllerSettings, target: Array, was: Array) -> str:
-    """What the kernel is to do with P."""
+    """Return the kernel's option for P at a change of the target."""
     update = settings.update
     if isinstance(update, Gradient | Instantaneous):
         if covariance == "replay":

@@ -55,7 +55,7 @@ class StepwiseLoop:
         return np.concatenate([self._controller.save(), self._body.x])
 
     def restore(self, values: Array) -> None:
-        """Go back, or forward, to what `save` gave."""
+        """Restore the state that `save` returned."""
         n = self._plant.n
         self._controller.take_up(values[: len(values) - n])
         x = initial_state(values[len(values) - n :], n)
@@ -69,18 +69,18 @@ class StepwiseLoop:
     def job(
         self, w: Array, u: Array, y: Array, z: Array, theta: Array, stride: int
     ) -> StepwiseLoop:
-        """The loop itself, which reads w from here and writes there what happens."""
+        """The loop, which reads w and writes the signals of each step."""
         self._w, self._u, self._y, self._z = w, u, y, z
         self._theta, self._stride = theta, stride
         self._stop = len(w)
         return self
 
     def pause_at(self, step: int) -> None:
-        """Go no further than so many rows for now."""
+        """Pause at this row of w."""
         self._stop = step
 
     def go_on(self, seconds: float) -> bool:
-        """Go on for about so many seconds; whether there is anything left to do."""
+        """Run for about this many seconds; return whether steps remain."""
         end = monotonic() + seconds
         while (left := self.outcome == 0 and self.done < self._stop) and monotonic() < end:
             self.in_step = True

@@ -134,7 +134,7 @@ RECORDS.include(IndirectSettings, RCMR, FIRSubsystem, RepeatedParameters)  # of 
 
 
 class IndirectController(Resumable[IndirectSettings]):
-    """Indirect adaptive control beside a simulator or a device of your own.
+    """Indirect adaptive control beside a simulator or a device.
 
     Parameters
     ----------

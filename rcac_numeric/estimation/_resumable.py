@@ -13,7 +13,7 @@ S = TypeVar("S")
 
 
 class Resumable(ABC, Generic[S]):
-    """An object with settings and a state; copies and pickles are objects of their own."""
+    """An object with settings and a state; copies and pickles are independent of it."""
 
     kind: ClassVar[str]
 

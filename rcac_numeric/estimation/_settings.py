@@ -32,7 +32,7 @@ from rcac_numeric.estimation._any_model import AnyModel, any_model
 
 @attrs.frozen(eq=False, slots=False)
 class KalmanSettings(Value):
-    """What the filters have in common: the model, what is believed at first, and the noises."""
+    """Common settings of the filters: model, initial estimate, noises."""
 
     model: AnyModel
     Q: Array = attrs.field(converter=array_like)

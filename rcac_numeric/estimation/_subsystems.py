@@ -1,4 +1,4 @@
-"""What RCMR puts in place of an unknown subsystem."""
+"""Structures with which RCMR replaces an unknown subsystem."""
 
 from __future__ import annotations
 

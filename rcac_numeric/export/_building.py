@@ -1,4 +1,4 @@
-"""What a compiler of this machine makes of an exported folder."""
+"""Compile an exported folder and run its test on this machine."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequ
 
 
 def run_program(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
-    """What a program of this machine answers."""
+    """Run a program of this machine and return its answer."""
     try:
         return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:
@@ -44,7 +44,7 @@ def run_program(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
 
 
 def replayed(source: Path, test: Path, name: str) -> tuple[bool, str]:
-    """Whether the recorded vector of a folder is replayed, and what the test says."""
+    """Whether the recorded vector of a folder is replayed, and the message of the test."""
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(
             [source / f"{name}.c", test / "replay.c"],

@@ -184,7 +184,7 @@ def export_controller(
 
 
 def _verified(texts: Mapping[str, str], prefix: str) -> str:
-    """What the replay of the recorded vector says, before anything is handed out."""
+    """Replay the recorded vector before the folder is written; return the message."""
     if compiler() is None:
         return ""
     with tempfile.TemporaryDirectory() as name:
@@ -301,7 +301,7 @@ def _in_float32(tables: CoreTables, source: Recording, run: Run | None) -> tuple
 
 
 def _ranges(controller: Any, tables: CoreTables, recording: Recording) -> tuple[str, ...]:
-    """What float32 refuses and warns of, as measured (docs/guide/board.md)."""
+    """Refusals and warnings of float32, as measured (docs/guide/board.md)."""
     if not isinstance(controller, ControllerSettings):
         return ()
     smallest, largest = 1 / max(tables.D_0), 1 / min(tables.D_0)

@@ -77,7 +77,7 @@ class _Loop(_RunSignals):
 
 
 class _PlaceholderSignals(_RunSignals):
-    """x(k+1) = 0.8 x(k) + 0.1 sum u(k) + noise; y and z are x with noise of their own."""
+    """x(k+1) = 0.8 x(k) + 0.1 sum u(k) + noise; y and z are x with separate noises."""
 
     def __init__(self, t: CoreTables) -> None:
         draws = np.random.Generator(np.random.PCG64(31)).integers(-1000, 1001, (STEPS, 9))

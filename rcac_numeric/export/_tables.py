@@ -229,7 +229,7 @@ class CoreTables:
         return control + filtered + step, divisions
 
     def stack(self, real: str) -> int:
-        """Bytes of the stack that a step takes, about: its arrays, and what calls and registers do.
+        """Approximate stack of a step in bytes: its arrays, and a share for calls and registers.
 
         The latter as it was measured on a Cortex-M4F in drawn settings; the sum is at most a tenth
         too small and a third too large.
@@ -249,7 +249,7 @@ def core_tables(
     live_order: int | None = None,
     supervision: Supervision | None = None,
 ) -> CoreTables:
-    """The tables of a controller; what the core does not know is refused by name."""
+    """The tables of a controller; settings that the core does not know are refused by name."""
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
     if isinstance(controller, Decentralized):
@@ -440,7 +440,7 @@ def whitening(tables: CoreTables) -> tuple[Numbers, Numbers]:
 
 
 def _require_known(settings: ControllerSettings, live_order: int | None) -> None:
-    """Refuse by name what the core does not know."""
+    """Refuse settings that the core does not know, by name."""
 
     def refuse(subject: str, instead: str) -> None:
         raise InputError(f"{subject} is not in the stand-alone core; {instead}.")
@@ -471,7 +471,7 @@ def _require_known(settings: ControllerSettings, live_order: int | None) -> None
 
 
 def _supervision(supervision: Supervision | None, adapts: bool) -> tuple[float, float, int] | None:
-    """What the core watches; a policy that acts is refused by name."""
+    """The supervision of the core, which reports; a policy that acts is refused by name."""
     if supervision is None:
         return None
     require_kind(supervision, "supervision", (Supervision,), "export")

@@ -33,7 +33,7 @@ from rcac_numeric.plants._problems import from_problem
 
 @attrs.frozen(eq=False, slots=False, kw_only=True, field_transformer=with_checks)
 class PlantChange(Value):
-    """What the plant is from step `start` on.
+    """The plant from step `start` on.
 
     Parameters
     ----------

@@ -73,7 +73,7 @@ class SpacedDecades(SymmetricalLogLocator):
         self._axes = axes
 
     def __call__(self) -> list[float]:
-        """The ticks: 0, then from the largest decade inwards what has room."""
+        """The ticks: 0, then decades from the largest inwards while there is room."""
         ticks = [float(tick) for tick in super().__call__()]
         places = np.column_stack([np.zeros(len(ticks)), ticks])
         heights = self._axes.transData.transform(places)[:, 1]

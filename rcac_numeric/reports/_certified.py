@@ -24,7 +24,7 @@ MOST_COEFFICIENTS, MOST_PLANTS = 24, 5  # of a run that other reports prove unas
 
 
 def certified_sheet(region: CertifiedSet) -> Sheet:
-    """The report: what is not covered, the proof, members, coefficients and decay."""
+    """The report: exclusions, the proof, members, coefficients and decay."""
     proved = region.is_verified
     plants = counted(len(region.members), "plant")
     health = (

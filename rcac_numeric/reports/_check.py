@@ -41,7 +41,7 @@ from rcac_numeric.reports._sheet import (
 
 
 def check_sheet(check: ControllerCheck) -> Sheet:
-    """The report of a controller check: log, controller, loop, and what was not evaluated."""
+    """The report of a controller check: log, controller, loop, and the parts not evaluated."""
     health = loop_health(check)
     sections = [Section(record=health_record(health)), _log(check), _controller(check)]
     is_known = check.loop is not None and check.is_consistent

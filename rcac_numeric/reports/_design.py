@@ -76,7 +76,7 @@ def _level(verdict: Recommendation) -> Level:
 
 
 def _guarantee(design: Design) -> list[Text]:
-    """The certified set, what it costs and what it does not cover; or why there is none."""
+    """The certified set, its cost and its exclusions; or the reason why there is none."""
     region, guarantee = design.certified, design.verdict.guarantee
     if region is None:
         return _suggestion(design)

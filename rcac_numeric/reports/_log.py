@@ -1,4 +1,4 @@
-"""What a log holds, as a report."""
+"""The report of the contents of a log."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST_LISTED = 40  # columns in a table; the record has all
 
 
 def log_sheet(log: LogContents) -> Sheet:
-    """The report of the contents of a log: columns, clocks, and what is used."""
+    """The report of the contents of a log: columns, clocks, and the signals in use."""
     used = {clock.column: "time" for clock in log.clocks.values() if clock is not None}
     used |= {name: role for role, names in log.roles.items() for name in names}
     health = [Text(log.unread, "bad")] if log.unread else []

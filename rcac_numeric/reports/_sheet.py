@@ -161,7 +161,7 @@ def rounded(value: Any) -> float:
 
 
 def as_dict(sheet: Sheet) -> dict[str, Any]:
-    """The record of a report in JSON's own types.
+    """The record of a report in the types of JSON.
 
     A complex number becomes [real, imaginary], an array a list; infinity, NaN and None become
     null, since strict JSON has no infinity and no NaN.

@@ -47,7 +47,7 @@ DURATION = re.compile(
 
 @attrs.frozen(eq=False, slots=False)
 class Clock(Result):
-    """What the stamps of a log say about its steps.
+    """The steps of a log by its time stamps.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Clock(Result):
 
     @property
     def is_regular(self) -> bool:
-        """Whether every row has a step of its own."""
+        """Whether no two rows share a step."""
         return not self.problem
 
     def __str__(self) -> str:

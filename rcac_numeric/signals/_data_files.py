@@ -141,7 +141,7 @@ def _of_arrays(file: Path, suffix: str, names: Sequence[str]) -> LogContents:
 
 
 def _mat_tree(file: Path, notes: list[str]) -> Mapping[str, Any]:
-    """The variables of a .mat file of any version; what only MATLAB reads becomes a note."""
+    """The variables of a .mat file of any version; a note names those that only MATLAB reads."""
     with file.open("rb") as stream:
         head = stream.read(520)
     is_hdf5 = head.startswith(b"\x89HDF") or head[512:].startswith(b"\x89HDF")

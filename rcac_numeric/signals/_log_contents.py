@@ -1,4 +1,4 @@
-"""What a log file or a data frame holds: columns with units and roundings, and their clocks."""
+"""Contents of a log file or a data frame: columns with units and roundings, and their clocks."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class LogColumn(Result):
 
 @attrs.frozen(eq=False, slots=False)
 class LogContents(Result):
-    """The columns of a log, and what would be used as u, y, r, theta.
+    """The columns of a log, and those that would be u, y, r, theta.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class LogContents(Result):
         return log_sheet(self)
 
     def report(self) -> str:
-        """The columns, the clock, and what would be used, as text."""
+        """The columns, the clock, and the signals that would be used, as text."""
         return report_of(self._sheet())
 
     @in_few_lines
@@ -232,7 +232,7 @@ def with_clocks(
     sample_time: float | None = None,
     signals: Collection[str] = (),
 ) -> LogContents:
-    """Find the column of the times in every topic, and what its stamps say.
+    """Find the column of times of every topic, and the clock of its stamps.
 
     `time` names the column, or "none" for rows of equal distance whatever the stamps say. Columns
     that are named as signals hold no times.

@@ -33,7 +33,7 @@ Names = Mapping[str, str | Sequence[str]]
 
 @dataclass
 class LogSignals:
-    """Arrays by role, with the clock of their rows and what was done to bring them to it."""
+    """Arrays by role, with the clock of their rows and notes on their resampling."""
 
     arrays: dict[str, Array] = field(default_factory=dict)
     topics: dict[str, str] = field(default_factory=dict)
@@ -50,7 +50,7 @@ def inspect_log(
     columns: Sequence[str] = (),
     time: str | None = None,
 ) -> LogContents:
-    """Return what a log file or a DataFrame holds, and what `read_log` would use of it.
+    """Return the contents of a log file or a DataFrame, and the signals that `read_log` would use.
 
     Columns with units, types, missing entries and roundings; sample time, jitter, gaps, repeated
     and turning stamps; the columns for u, y, z, w, r and theta.

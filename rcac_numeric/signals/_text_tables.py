@@ -381,7 +381,7 @@ def _table(file: TextSource, dialect: Dialect) -> Array | None:
 def _checked_columns(
     file: TextSource, dialect: Dialect, notes: list[str] | None
 ) -> list[TextColumn]:
-    """Return the columns entry by entry, with the line of what is no number."""
+    """Return the columns entry by entry, with the line of an entry that is no number."""
     columns = [TextColumn("") for _ in range(dialect.width)]
     pieces: list[list[Array]] = [[] for _ in columns]
     lines: list[int] = []

@@ -21,7 +21,7 @@ Number: TypeAlias = int | float | complex | Fraction | str | Expr
 
 @dataclass(frozen=True, init=False)
 class ModellingInformation:
-    """What RCAC needs to know about G_zu (section 2.4); scalar z and u.
+    """Modelling information of RCAC about G_zu (section 2.4), for scalar z and u.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ NULL = 1e-9
 
 @dataclass(frozen=True, eq=False, init=False)
 class DirectionInformation(Value):
-    """What RCAC needs to know about G_zu with several inputs and outputs.
+    """Modelling information of RCAC about G_zu with several inputs and outputs.
 
     Parameters
     ----------
