@@ -87,7 +87,7 @@ class _Text(StrPrinter):  # type: ignore[misc]
     _print_Fraction = _print_mpq = _print_PythonRational = _print_Rational
 
     def _print_MatrixBase(self, matrix: Any) -> str:
-        """In one line, as SymPy's ``str``."""
+        """Print in one line, as SymPy's ``str``."""
         if 0 in matrix.shape:
             return str(matrix)
         return f"Matrix({self._print(matrix.tolist())})"
@@ -95,7 +95,7 @@ class _Text(StrPrinter):  # type: ignore[misc]
 
 class _Representation(_Text):
     def _print_MatrixBase(self, matrix: Any) -> str:
-        """In lines, as SymPy's ``repr``."""
+        """Print in lines, as SymPy's ``repr``."""
         if 0 in matrix.shape or matrix.rows == 1:
             return super()._print_MatrixBase(matrix)
         rows = ",\n".join(self._print(row) for row in matrix.tolist())

@@ -58,7 +58,7 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
 
     @property
     def status(self) -> str:
-        """How it ended: "answered", "refused" (there is no answer), or "open"."""
+        """Outcome of the case: "answered", "refused" (there is no answer), or "open"."""
         if not self.reason:
             return "answered"
         mathematical = self.error is not None and not issubclass(self.error, InputError)

@@ -106,7 +106,7 @@ class Equivalence(Certified, ExactValue):
 
     @property
     def invariant_polynomials(self) -> tuple[Poly, ...]:
-        """Those of P, monic, each a divisor of the next: the diagonal of Smith's form."""
+        """The monic invariant polynomials of P, each a divisor of the next: Smith's diagonal."""
         diagonal = _diagonal(self.form)
         if diagonal is None:
             work = elimination_of(self.form)

@@ -77,7 +77,7 @@ class StateFeedbackFamily(Certified, ExactValue):
 
     @property
     def exceptional(self) -> tuple[Expr, ...]:
-        """Where the form of (A, B) does not hold, as polynomials in its symbols."""
+        """Polynomials in the symbols of (A, B) at whose zeros its form does not hold."""
         return self.form.exceptional
 
     def _residuals(self) -> Residuals:

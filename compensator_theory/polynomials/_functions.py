@@ -145,7 +145,7 @@ class Unknowns:
             kinds[monomial] = _common(kinds.get(monomial, sympy.S.Zero), factor)
 
     def _join_powers_of_e(self) -> None:
-        """Of integer exponents, E is an unknown already."""
+        """Treat E as an unknown if its least exponent is an integer."""
         least = self._exponents.get(sympy.S.One)
         if least is not None and sympy.E in self._named:
             least = self._exponents[sympy.S.One] = _common(least, sympy.S.One)

@@ -48,7 +48,7 @@ def in_our_order(obj: Any) -> Any:
 
 
 def _descending(ascending: list[Any]) -> list[Any]:
-    """From the highest power down, without zeros that only fill an array."""
+    """Return the coefficients from the highest power down, without padding zeros."""
     coefficients = ascending[::-1] or [0]
     while len(coefficients) > 1 and coefficients[0] == 0:
         del coefficients[0]

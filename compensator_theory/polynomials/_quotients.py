@@ -36,7 +36,7 @@ class Addition:
 
 @dataclass(frozen=True)
 class Product:
-    """Of factors, divided by the divisors."""
+    """A product of factors, divided by the divisors."""
 
     factors: Sequence[Tree]
     divisors: Sequence[Tree] = ()
@@ -44,7 +44,7 @@ class Product:
 
 @dataclass(frozen=True)
 class Power:
-    """With an integer exponent."""
+    """A power with an integer exponent."""
 
     base: Tree
     exponent: int

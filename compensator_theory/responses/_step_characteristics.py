@@ -186,7 +186,7 @@ class _Error:
 
 
 class _Signal(_Error):
-    """In continuous time."""
+    """The deviation from the final value in continuous time."""
 
     def value(self, t: flint.arb) -> flint.arb:
         """Return the error at the times in a ball."""
@@ -321,7 +321,7 @@ class _Signal(_Error):
 
 
 class _Samples(_Error):
-    """In discrete time, where a value may be that of a limit exactly."""
+    """The deviation from the final value in discrete time, which may equal a limit exactly."""
 
     def __init__(
         self, modes: Sequence[Mode], final: Expr, bits: int, exact: Callable[[int], Expr]

@@ -61,7 +61,7 @@ class NumberField(ExactValue):
 
     @property
     def degree(self) -> int:
-        """Its dimension over the rational numbers."""
+        """The dimension of the field over the rational numbers."""
         return int(self.minimal.degree())
 
     @property

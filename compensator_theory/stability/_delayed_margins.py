@@ -123,7 +123,7 @@ class DelayedStabilityMargins(CrossingGains, PhaseMargins, ExactValue):
 
     @property
     def encirclements(self) -> int:
-        """How often L turns clockwise about -1, poles on the boundary passed on the outer side."""
+        """Clockwise turns of L about -1, with poles on the boundary passed on the outer side."""
         return self.unstable_roots - self.open_loop.unstable
 
     @property

@@ -51,7 +51,7 @@ class IntervalStability(ExactValue):
 
     @property
     def failing(self) -> tuple[Poly, ...]:
-        """Those of the four that are not Hurwitz: members of the family that prove the answer."""
+        """Those of the four polynomials that are not Hurwitz: they prove the answer."""
         pairs = zip(self.polynomials, self.counts, strict=True)
         return tuple(dict.fromkeys(p for p, count in pairs if count.stable < count.total))
 

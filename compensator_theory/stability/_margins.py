@@ -151,7 +151,7 @@ class CountedLoop:
 
     @property
     def encirclements(self) -> int:
-        """How often L turns clockwise about -1, poles on the boundary passed on the outer side."""
+        """Clockwise turns of L about -1, with poles on the boundary passed on the outer side."""
         return self.closed_loop.unstable - self.open_loop.unstable
 
 

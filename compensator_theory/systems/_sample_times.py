@@ -29,11 +29,11 @@ class System(ExactValue):
 
         @property
         def variable(self) -> Symbol:
-            """Of its transfer functions."""
+            """The variable of its transfer functions."""
 
         @property
         def sample_time(self) -> Rational | None:
-            """In seconds; None where it is not known, and in continuous time."""
+            """Sample time in seconds; None if it is not known, and in continuous time."""
 
     else:  # hidden from type checkers, to which it would give every attribute
 

@@ -50,7 +50,7 @@ class Symbolic:
 
     @property
     def scope(self) -> str:
-        """How far the identity reaches."""
+        """The sizes for which the identity holds."""
         if not self.sizes:
             return self.extent
         return "sizes " + ", ".join(map(str, self.sizes))

@@ -75,7 +75,7 @@ class ErratumEvidence(Result):
 
     @property
     def words(self) -> str:
-        """In a line."""
+        """The entry in one line."""
         if self.check:
             return f"check {self.check}"
         if self.ledger:

@@ -24,7 +24,7 @@ def example_ids() -> list[str]:
 
 
 def in_order(number: str) -> list[str]:
-    """By chapter and then by number, 2.10 after 2.9; the appendices last."""
+    """Sort by chapter and then by number, 2.10 after 2.9; the appendices last."""
     return [part.zfill(2) for part in number.split(".")]
 
 

@@ -79,7 +79,7 @@ def final_estimate(r: EstimatedRun) -> float:
 
 
 def initial_estimate_left(r: EstimatedRun) -> float:
-    """Of RCMR: the share of the initial estimate that is left, 1 where the data say nothing."""
+    """The remaining share of the initial estimate of RCMR, 1 without information in the data."""
     return r.initial_share
 
 

@@ -175,7 +175,7 @@ def placement(
 def no_unique_placement(
     system: ExactSystem, poles: Entry, n_c: int, numerator_degree: int
 ) -> Evaluation:
-    """That several compensators of some degrees place the same poles.
+    """Several compensators of some degrees place the same poles.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ class RunSpecification(Value):
 
     @property
     def algorithm(self) -> str:
-        """How theta is computed: the update's name, "reference", "predictive cost" or "fixed"."""
+        """Algorithm of theta: name of the update, "reference", "predictive cost" or "fixed"."""
         if self.reference:
             return "reference"
         if isinstance(self.settings, StepwiseController):

@@ -60,7 +60,7 @@ class _Interval(Form):
     words = "[start, stop] or [start]"
 
     def read(self, value: object, place: Location) -> tuple[int, int | None]:
-        """As (start, stop), without an end where there is none."""
+        """Return (start, stop), with None for an open end."""
         start, *stop = Row((Integer(), Integer()), self.words, at_least=1).read(value, place)
         return start, stop[0] if stop else None
 

@@ -55,7 +55,7 @@ class _OneOrSeveral(Form):
     words = "a signal, or a list of one for each component"
 
     def read(self, value: object, place: Location) -> list[Signal]:
-        """As a list."""
+        """Read the value as a list."""
         entries = value if isinstance(value, list) else [value]
         return ListOf(SIGNAL).read(entries, place)
 

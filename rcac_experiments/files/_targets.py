@@ -148,7 +148,7 @@ class _LearntFrom(Choice):
     """The inputs of `DataDriven`; the literal u~ is passed on to it, which says why it is none."""
 
     def read(self, value: object, place: Location) -> str:
-        """As a str."""
+        """Read the value as a str."""
         return str(value) if value in LITERAL else super().read(value, place)
 
 

@@ -56,11 +56,11 @@ class Integer(Form):
 
     @property
     def words(self) -> str:
-        """With its least value."""
+        """The words with the least value."""
         return f"an integer of at least {self.at_least}"
 
     def read(self, value: object, place: Location) -> int:
-        """As an int."""
+        """Read the value as an int."""
         if isinstance(value, bool) or not isinstance(value, int):
             raise place.error(f"{place} must be an integer, not {quoted(value)}.")
         if value < self.at_least:
@@ -83,7 +83,7 @@ class Real(Form):
     words = 'a number, or a string such as "pi/8"'
 
     def read(self, value: object, place: Location) -> float:
-        """As a finite float."""
+        """Read the value as a finite float."""
         if isinstance(value, str):
             try:
                 expression = exact.parse_expression(value)
@@ -109,7 +109,7 @@ class String(Form):
     words = "a string"
 
     def read(self, value: object, place: Location) -> str:
-        """As a str."""
+        """Read the value as a str."""
         if not isinstance(value, str):
             raise place.refuse(value, self.words)
         return value
@@ -131,7 +131,7 @@ class Choice(Form):
         return f"one of {', '.join(self.choices)}"
 
     def read(self, value: object, place: Location) -> str:
-        """As a str among the choices."""
+        """Read the value as a str among the choices."""
         if not isinstance(value, str):
             raise place.refuse(value, "a string")
         if value not in self.choices:
@@ -151,7 +151,7 @@ class Flag(Form):
     words = "true or false"
 
     def read(self, value: object, place: Location) -> bool:
-        """As a bool."""
+        """Read the value as a bool."""
         if not isinstance(value, bool):
             raise place.refuse(value, self.words)
         return value
@@ -203,7 +203,7 @@ class Sign(Form):
     words = "1 or -1"
 
     def read(self, value: object, place: Location) -> int:
-        """As an int."""
+        """Read the value as an int."""
         if isinstance(value, bool) or value not in (1, -1) or not isinstance(value, int):
             raise place.refuse(value, self.words)
         return value
@@ -287,7 +287,7 @@ class ListOf(Form):
         return f"{self.needed}; each entry is {self.entry.words}"
 
     def read(self, value: object, place: Location) -> list[Any]:
-        """As a list of what the entries are read as."""
+        """Read a list; each entry is read by the form of the entries."""
         if not isinstance(value, list):
             raise place.refuse(value, self.needed)
         if self.at_least and not value:
@@ -329,7 +329,7 @@ class Row(Form):
         return self.shown
 
     def read(self, value: object, place: Location) -> tuple[Any, ...]:
-        """As a tuple."""
+        """Read the value as a tuple."""
         least = len(self.entries) if self.at_least is None else self.at_least
         if not isinstance(value, list) or not least <= len(value) <= len(self.entries):
             raise place.error(f"{place}: the entry {quoted(value)} must be {self.shown}.")
@@ -364,7 +364,7 @@ class MapOf(Form):
         return f"a table of names; each value is {self.entry.words}"
 
     def read(self, value: object, place: Location) -> dict[str, Any]:
-        """As a dict."""
+        """Read the value as a dict."""
         if not isinstance(value, Mapping):
             raise place.refuse(value, "a table")
         inside, errors, read = place.inside(), Errors(), {}
@@ -412,7 +412,7 @@ class OneOrMore(Form):
         return f"{self.entry.words}, or a list of such"
 
     def read(self, value: object, place: Location) -> Any:
-        """As the entry reads it, or a list."""
+        """Read one entry, or a list of entries."""
         form = ListOf(self.entry, 1) if isinstance(value, list) else self.entry
         return form.read(value, place)
 
@@ -433,7 +433,7 @@ class ByStep(Form):
         return "a list of pairs [step, value]"
 
     def read(self, value: object, place: Location) -> dict[int, Any]:
-        """As a mapping from steps."""
+        """Read the value as a mapping from steps."""
         rows = ListOf(Row((Integer(), self.entry), "a pair [step, value]"))
         changes: dict[int, Any] = {}
         for step, entry in rows.read(value, place):

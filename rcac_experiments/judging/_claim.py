@@ -208,7 +208,7 @@ class Claim(Value):
         return OURS if not self.quote else READING if self.reading else TEXT
 
     def moved(self, to: str) -> tuple[AnyCheck, ...]:
-        """Its checks, those of its run being of another.
+        """The checks of the claim, for another run in place of its own.
 
         Where that completes its own run, "run; value", those of other runs are of their
         completions by the same values.
@@ -390,7 +390,7 @@ class Check(Value):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """In which the measure must lie."""
+        """The interval in which the measure must lie."""
         if not self.quoted:
             if self.within is not None:
                 raise InputError(

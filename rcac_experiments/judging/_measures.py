@@ -142,7 +142,7 @@ def continuous_zero_distance(r: LoopAnalysis, value: float, period: float, at: i
 
 @measure
 def printed_plant_distance(r: LoopAnalysis, printed: str) -> float:
-    r"""How far the first plant, up to its sign, is from a transfer function as it is printed.
+    r"""Distance of the first plant, up to its sign, from a printed transfer function.
 
     The largest difference of the two frequency responses at eleven frequencies, relative to the
     printed one; the sign is that of the problem, standard or servo.

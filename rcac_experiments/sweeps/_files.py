@@ -41,7 +41,7 @@ class _Values(Form):
     words = "a list of values, not an empty one"
 
     def read(self, value: object, place: Location) -> list[Any]:
-        """As they stand; whether they fit is known when they are put where they belong."""
+        """Read the values unchecked; they are checked at their place in the document."""
         if not isinstance(value, list) or not value:
             raise place.refuse(value, self.words)
         return [_floats(entry) for entry in value]

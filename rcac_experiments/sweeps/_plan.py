@@ -22,7 +22,7 @@ GROWING = ("axes", "repetitions")
 
 @dataclass(frozen=True)
 class Stage:
-    """How large a study was at one time: the number of values of each axis, and repetitions."""
+    """The size of a study at one time: the number of values of each axis, and repetitions."""
 
     lengths: tuple[int, ...]
     repetitions: int
@@ -60,7 +60,7 @@ class Plan:
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
-        """Of each stage its repetitions more of the cells that were, then its new cells."""
+        """The runs of each stage: more repetitions of earlier cells, then its new cells."""
         blocks: list[Block] = []
         cells = repetitions = runs = 0
         chunks = 1
@@ -113,7 +113,7 @@ class Plan:
         return {name: values[:length] for (name, values), length in of_axes}
 
     def indices(self, cells: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
-        """Which value of each axis some cells have, shape (axes, cells).
+        """Indices of the values of each axis in some cells, shape (axes, cells).
 
         Those of one stage come in lexicographic order, each after those of the stages before.
         """
@@ -149,7 +149,7 @@ class Plan:
 
 
 def stage_of(resolved: Resolved) -> Stage:
-    """How large a study is."""
+    """The size of a study."""
     return Stage(tuple(len(axis["values"]) for axis in resolved["axes"]), resolved["repetitions"])
 
 
@@ -187,7 +187,7 @@ def grown(path: object, old: Resolved, new: Resolved) -> Resolved:
 
 
 def _lacking(values: Sequence[Any], others: Sequence[Any]) -> list[Any]:
-    """Those of some values that others do not have."""
+    """The values that the others do not have."""
     known = set(map(canonical_json, others))
     return [value for value in values if canonical_json(value) not in known]
 

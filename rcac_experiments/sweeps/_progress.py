@@ -1,4 +1,4 @@
-"""How far a study is, for a program, a terminal or a notebook."""
+"""The progress of a study, for a program, a terminal or a notebook."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MEMORY, PAUSE = 30.0, 0.25
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a study is.
+    """The progress of a study.
 
     Attributes
     ----------

@@ -88,7 +88,7 @@ def _blas(show: Any) -> str:
 
 
 def _blas_kernels() -> str:
-    """Which kernels BLAS chose for this processor, where threadpoolctl can ask."""
+    """The kernels that BLAS chose for this processor, if threadpoolctl knows them."""
     try:
         threadpool_info = importlib.import_module("threadpoolctl").threadpool_info
     except ImportError:

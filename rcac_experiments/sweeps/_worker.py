@@ -124,7 +124,7 @@ def _value(cell: Cell, metric: Metric, run: LoopAnalysis) -> float:
 
 
 def _least_cost(cell: Cell, run: LoopAnalysis, **arguments: Any) -> float:
-    """That of LQG: the same for all runs that ended with the same plant."""
+    """The cost of LQG: one value for all runs that ended with the same plant."""
     key = ("high_authority_cost", run.last_step, canonical_json(arguments))
     if key not in cell.remembered:
         cell.remembered[key] = high_authority_cost(run, **arguments)

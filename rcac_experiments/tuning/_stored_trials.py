@@ -64,20 +64,20 @@ def stored(
 
 
 def rms(r: LoopAnalysis) -> float:
-    """As `whole_rms`."""
+    """Return `whole_rms` of the run."""
     return whole_rms(r.run)
 
 
 def peak(r: LoopAnalysis) -> float:
-    """As `largest_error`."""
+    """Return `largest_error` of the run."""
     return largest_error(r.run)
 
 
 def Ms(r: LoopAnalysis) -> float:
-    """As `sensitivity`."""
+    """Return `sensitivity` of the run."""
     return sensitivity(r.run)
 
 
 def radius(r: LoopAnalysis) -> float:
-    """As `used_radius`."""
+    """Return `used_radius` of the run."""
     return used_radius(r.run)

@@ -1,4 +1,4 @@
-"""From which step on a finished run is proved stable as a time-varying loop."""
+"""The first step from which a finished run is proved stable as a time-varying loop."""
 
 from __future__ import annotations
 

@@ -234,7 +234,7 @@ class LoopAnalysis(Value):
 
     @cached_property
     def certified(self) -> CertifiedTail:
-        """From which step on the run is proved stable while theta moves, as `certified_from`."""
+        """The first step from which the run is proved stable, as by `certified_from`."""
         return tail_of_run(self.run)
 
     @cached_property

@@ -30,7 +30,7 @@ DIGITS = 2.0**12  # a multiplier is rounded to this share of its power of two
 
 @dataclass(frozen=True)
 class InputGains:
-    """Where the gains at the inputs may move from step to step.
+    """Ranges in which the gains at the inputs may move from step to step.
 
     u_a(k) = s(k) u(k) with s in [share, 1] is what the limits pass, to the plant and to the memory
     of the controller; the plant receives g(k) u_a(k) with g in [low, high]. Each input has an s and

@@ -223,7 +223,7 @@ def _few(sizes: Array) -> NumberFormat:
 
 
 def _printing(sizes: Array) -> tuple[Printing, int]:
-    """How numbers were printed: with the fewest decimals or significant digits that fit."""
+    """The format of printed numbers: the fewest decimals or significant digits that fit."""
     if not sizes.size:
         return "exact", 0
     exponents = _exponents(sizes)

@@ -175,7 +175,7 @@ class ControllerCheck(Result):
 
     @cached_property
     def certified(self) -> CertifiedTail | str:
-        """From which step on the loop is proved stable, or why that was not evaluated."""
+        """The first step from which the loop is proved stable, or why it is not known."""
         try:
             return self._certified()
         except CompensatorError as error:

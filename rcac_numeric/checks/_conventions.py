@@ -25,7 +25,7 @@ STACKINGS: tuple[Stacking, ...] = ("columns", "rows", "rows of each lag")
 
 @dataclass(frozen=True)
 class Convention(Result):
-    """How another program arranges theta and Phi; by default as we do.
+    """The order and signs of theta and Phi in another program; by default those used here.
 
     Ours is u(k) = Phi(k) theta(k), Phi(k) = [u(k-1) ... u(k-n_c)  y(k-1) ... y(k-n_c)] for one
     input and one output, (2.29)-(2.30). A text names what differs, separated by commas, such as
@@ -86,7 +86,7 @@ class Convention(Result):
         return "; ".join(phrases) or "u = Phi theta as in this package"
 
     def positions(self, structure: Structure) -> Array:
-        """Where in the other program's theta the coefficients of ours stand; shape (l_theta,)."""
+        """Indices of our coefficients in theta of the other program; shape (l_theta,)."""
         l_u = structure.l_u
         lags = self._lags(structure)
         order: list[tuple[int, int]] = []  # (tap, component of u) in the other program's order

@@ -65,7 +65,7 @@ def _factor(value: object, name: str) -> float:
 
 @attrs.frozen(slots=False, kw_only=True, field_transformer=with_checks)
 class Uncertainty:
-    """How far the true plant may be from the one that is given.
+    """Ranges of gain, dead time and time constants of the true plant about the nominal one.
 
     Parameters
     ----------

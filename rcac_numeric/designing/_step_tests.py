@@ -18,7 +18,7 @@ def plant_of_step(
 
 
 def uncertainty_of_step(step: StepResponse, period: float) -> Uncertainty:
-    """As wide as the intervals of the step test, and at least the default."""
+    """The uncertainty of the intervals of the step test, and at least the default."""
     usual, (low, high) = Uncertainty(), step.gain_factors
     total, shortest, longest = step.residence_time
     return Uncertainty(

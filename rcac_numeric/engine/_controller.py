@@ -480,7 +480,7 @@ class Controller:
 
     @property
     def radius(self) -> float | None:
-        """With `CertifiedBounds` the share of the radius that theta(k) uses; else None."""
+        """The share of the radius of `CertifiedBounds` that theta(k) uses; None without them."""
         bounds = self.settings.bounds
         return float(bounds.radius_of(self.theta)) if isinstance(bounds, CertifiedBounds) else None
 

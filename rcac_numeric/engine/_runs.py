@@ -164,7 +164,7 @@ class Run(Value):
 
     @property
     def radius(self) -> Array | None:
-        """With `CertifiedBounds` the share of the radius that each row of theta uses; else None.
+        """The share of the radius of `CertifiedBounds` that each theta uses; None without them.
 
         0 is the center, 1 the boundary, which no theta exceeds. None also for several controllers.
         """

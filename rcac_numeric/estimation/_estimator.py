@@ -211,7 +211,7 @@ class Estimator(Resumable[AnyFilter]):
 
     @property
     def P(self) -> Array:
-        """Its covariance, shape (n, n)."""
+        """The covariance of the estimate, shape (n, n)."""
         return np.asarray(self._kernel.P)
 
     @property

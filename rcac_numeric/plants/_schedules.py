@@ -167,7 +167,7 @@ class PlantSchedule(Value):
 
     @property
     def blocks(self) -> Mapping[str, int]:
-        """How w is divided."""
+        """The blocks of w."""
         return self.first.blocks
 
     @property

@@ -85,7 +85,7 @@ def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
 
 
 def _proof(check: ControllerCheck) -> tuple[tuple[Text, ...], dict[str, Any]]:
-    """From which step on the loop of the logged theta is proved stable; lines and record."""
+    """The first step from which the loop of the logged theta is proved stable: lines and record."""
     if check.run is not None:
         return proof_of_run(LoopAnalysis(check.run))
     if check.structure is None or check.loop is None or not check.loop.is_stable:

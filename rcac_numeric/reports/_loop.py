@@ -388,7 +388,7 @@ def analysis_sheet(analysis: LoopAnalysis) -> Sheet:
 
 
 def proof_of_run(analysis: LoopAnalysis) -> tuple[tuple[Text, ...], dict[str, Any]]:
-    """From which step on a run of one adaptive controller is proved stable: lines and record.
+    """The first step from which a run of one adaptive controller is proved stable: lines, record.
 
     Nothing where the last loop is unstable, as the first line says.
     """

@@ -109,7 +109,7 @@ class Piecewise(Signal):
         return self.pieces[-1][1].steps_known
 
     def values(self, steps: int, rng: np.random.Generator) -> Array:
-        """At every step the value of the signal in force."""
+        """The value of the signal in force at every step."""
         result = np.zeros(steps)
         stops = [start for start, _ in self.pieces[1:]]
         for (start, signal), stop in zip(self.pieces, [*stops, steps], strict=True):

@@ -57,7 +57,7 @@ class TextColumn:
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a text is written; `start` lines stand before the first row of numbers."""
+    """The format of a text; `start` lines stand before the first row of numbers."""
 
     encoding: str
     separator: str

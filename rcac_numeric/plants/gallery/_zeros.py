@@ -41,7 +41,7 @@ class ZeroPath(Result):
 
     @property
     def is_nonminimum_phase(self) -> NDArray[np.bool_]:
-        """At each step, whether a zero has modulus 1 or more."""
+        """Whether a zero has modulus 1 or more, at each step."""
         return np.asarray((self.magnitudes >= 1).any(axis=1))
 
     def plot(self) -> figures.Figure:
