@@ -148,7 +148,7 @@ def _study(connection: sqlite3.Connection) -> tuple[StoredStudy, str]:
         raise ValueError("its tables are not those of a store")
     rows = execute("SELECT * FROM study").fetchmany(2)
     if len(rows) != 1 or rows[0][-1] != _digest(list(rows[0][:-1])):
-        raise ValueError("its study is not what was written")
+        raise ValueError("its study does not match its digest")
     (resolved, fingerprint, file, title, used_versions, instructions, created, chunk_size, stages,
      mixed, origin, _) = rows[0]  # fmt: skip
     resolved, used_versions, stages, mixed = map(
@@ -156,9 +156,9 @@ def _study(connection: sqlite3.Connection) -> tuple[StoredStudy, str]:
     )
     texts = [fingerprint, file, title, instructions, created, origin, *used_versions, *mixed]
     if not all(type(text) is str for text in [*texts, *used_versions.values()]):
-        raise TypeError("something in it is of another kind")
+        raise TypeError("an entry has the wrong type")
     if fingerprint != digest(canonical_json(resolved)) or type(mixed) is not list:
-        raise ValueError("its fingerprint is that of another one")
+        raise ValueError("its fingerprint does not match its study")
     plan = plan_of(resolved, tuple(Stage(tuple(n), r) for n, r in stages), chunk_size)
     about = StoredStudy(
         resolved, file, title, used_versions, instructions, created, plan, tuple(mixed)
@@ -189,7 +189,7 @@ def _records(
         stored = rows_of("name, shape, float64 FROM trajectory WHERE run = ? ORDER BY name",
                          (run,), len(names))  # fmt: skip
         if _digest_of_signals(stored) != bound or (stored and names != [row[0] for row in stored]):
-            raise Damaged("their signals are not what was stored")
+            raise Damaged("their signals do not match their digest")
         return {
             name: np.frombuffer(data, "<f8").reshape([abs(int(n)) for n in shape.split(",")])
             for name, shape, data in stored
@@ -201,22 +201,22 @@ def _records(
     between = "* FROM run WHERE run BETWEEN ? AND ? ORDER BY run"
     rows = rows_of(between, (first, last), last - first + 1)
     if len(chunks) != 1 or chunks[0][:3] != (number, first, last):
-        raise Damaged("their chunk is not where it belongs")
+        raise Damaged("the row of their chunk is missing or wrong")
     _, _, _, state, _, _, tries, failed, seconds, bound = chunks[0]
     if state != DONE and not rows and bound is None:
         return []
     signed = [origin, (number, first, last, tries, failed, seconds), rows]
     if state != DONE or bound != _digest(signed):
-        raise Damaged("they are not what was stored")
+        raise Damaged("they do not match their digest")
     # From here on only who can compute digests comes: the numbers are what he wrote.
     if [row[:3] for row in rows] != about.plan.places(number):
-        raise Damaged("they are not those of the study")
+        raise Damaged("their numbers are not those of the plan")
     records = []
     for run, _, _, outcome, words, of_signals, *numbers in rows:
         if not {type(outcome), type(words)} <= {str} or not set(map(type, numbers)) <= KINDS:
-            raise Damaged("they hold what is no text or number")
+            raise Damaged("they hold an entry that is neither text nor number")
         if outcome in FAILED and any(n is not None for n in (of_signals, *numbers)):
-            raise Damaged("some failed and did not")
+            raise Damaged("a failed run has values")
         values = [math.nan if n is None else n for n in numbers if outcome not in FAILED]
         records.append(RunRecord(run, outcome, words, values, signals_of(run, of_signals)))
     return records

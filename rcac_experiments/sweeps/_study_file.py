@@ -100,7 +100,7 @@ def begun(study: Study, instruction_set: str, chunk_size: int) -> StoredStudy:
 def plan_of(resolved: Resolved, stages: tuple[Stage, ...], chunk_size: int) -> Plan:
     """The plan of a study; raises one of `NO_STUDY` where it cannot be one."""
     if resolved.keys() != KEYS or type(resolved["seed"]) is not int:
-        raise ValueError("it has not what a study has")
+        raise ValueError("its keys are not those of a study, or its seed is no integer")
     if type(chunk_size) is not int or not 1 <= chunk_size <= LARGEST_CHUNK:
         raise ValueError(f"a chunk of {chunk_size} runs; there are 1 to {LARGEST_CHUNK}")
     axes = [Axis(axis["name"], axis["values"], axis["sets"]) for axis in resolved["axes"]]
@@ -112,16 +112,16 @@ def plan_of(resolved: Resolved, stages: tuple[Stage, ...], chunk_size: int) -> P
     if len({name.lower() for name in names}) != len(names):
         raise ValueError("two columns have one name")
     if not set(resolved["keep_signals"]) <= set(SIGNALS):
-        raise ValueError("no such signals are kept")
+        raise ValueError("keep_signals names unknown signals")
     sizes = [(*stage.lengths, stage.repetitions) for stage in stages]
     if not all(type(n) is int and 0 < n < 2**62 for size in sizes for n in size):
-        raise ValueError("a size is no number")
+        raise ValueError("a stage has a size that is no positive integer")
     # Each stage has all that the one before had, and the last is the study as it is.
     for before, after in itertools.pairwise(sizes):
         if not all(a <= b for a, b in zip(before, after, strict=True)):
-            raise ValueError("it has shrunk")
+            raise ValueError("a stage is smaller than the one before")
     if stages[-1] != stage_of(resolved) or stages[-1].cells > LARGEST_GRID:
-        raise ValueError("its size is that of another one")
+        raise ValueError("the size of its last stage differs from its axes")
     return Plan({axis.name: list(axis.values) for axis in axes}, stages, chunk_size)
 
 
@@ -153,7 +153,7 @@ def read_text(data: bytes) -> StoredStudy:
     }
     texts = [*texts_by_name.values(), *used_versions, *used_versions.values(), *mixed]
     if not all(type(text) is str for text in texts) or type(mixed) is not list:
-        raise TypeError("something in it is of another kind")
+        raise TypeError("an entry has the wrong type")
     canonical_json(study)
     stages = tuple(Stage(tuple(lengths), count) for lengths, count in document["stages"])
     plan = plan_of(study, stages, document["chunk_size"])
