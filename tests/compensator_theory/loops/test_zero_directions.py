@@ -110,7 +110,7 @@ def test_dependent_directions_and_too_few_taps():
     identity = [[1, 0], [0, 1]]
     with pytest.raises(NoSolutionError, match="dependent"):
         zero_direction_target(identity, [("2", [1, 1]), ("2", [2, 2])])
-    with pytest.raises(NoSolutionError, match="leave taps out"):
+    with pytest.raises(NoSolutionError, match="leave the argument taps out"):
         zero_direction_target(identity, [("2", [1, 1]), ("3", [1, 1])], taps=1)
     with pytest.raises(InputError, match="is a pole"):
         direction_residual(transfer_matrix([["1/(q - 2)"]]), 2, [1])
