@@ -130,7 +130,7 @@ class PhaseCrossover(ExactValue):
         )
 
 
-OTHER_SIGN = "with the other sign of feedback the loop is stable"
+OTHER_SIGN = "stable with the other sign of feedback"
 
 
 class CountedLoop:

@@ -115,7 +115,7 @@ def test_what_it_says_and_refuses():
         stability_delays(["s + 1", "s"])
     with pytest.raises(InputError, match="power of the variable"):
         stability_delays(["z + 1", "1"])
-    with pytest.raises(InputError, match=r"it is \[D, N\]"):
+    with pytest.raises(InputError, match=r"give \[D, N\]"):
         stability_delays("2/(s + 1)")
     with pytest.raises(InputError, match="decide_stability"):
         stability_delays(["s + 1"])

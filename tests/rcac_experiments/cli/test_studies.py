@@ -111,7 +111,7 @@ def test_bad_files_end_with_2_before_anything_is_made(tmp_path):
         (text, "6000000000 runs: 3 (R_theta) x 2 (n_c)"),
         (few.replace("controller.n_c", "controller.nc"), "unknown key 'nc' in [controller]"),
         ("", "is empty"),
-        (few.partition("[study]")[0], "no table [study]"),
+        (few.partition("[study]")[0], "the table [study]"),
     ):
         file.write_text(changed)
         result = rcac("sweep", file, "-o", store)
