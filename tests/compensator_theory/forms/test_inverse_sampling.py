@@ -209,7 +209,7 @@ def test_steps_and_sample_times():
         with pytest.raises(InputError, match="continuous_variable"):
             function("1/(q - 1/2)", 1, continuous_variable="z")
     assert inverse_zero_order_hold("1/(z - 1/2)", log(2)).logarithms == ()
-    with pytest.raises(InputError, match="leave (it|the step) a symbol"):
+    with pytest.raises(InputError, match="leave the step a symbol"):
         inverse_zero_order_hold("1/(z - 1)", log(2))
     with pytest.raises(NoSolutionError, match="a pole at -1"):
         inverse_tustin("1/(z + 1)", 1)
