@@ -3,7 +3,7 @@
 ``python benchmarks/mutation_table.py 2.2 4.7`` changes the file of each example in the ways of
 `tests.support.mutations`, one at a time, and counts the quoted claims that hold and no longer hold
 then. Fewer seeds run than verdicts of record have; without numbers all examples do, in about an
-hour. The last table is in docs/fair-judging.md.
+hour. docs/fair-judging.md has the sum.
 """
 
 import argparse
