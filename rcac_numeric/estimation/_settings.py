@@ -123,6 +123,11 @@ class UKF(KalmanSettings):
         Where sizes do not fit, an entry is not finite, a covariance is not semidefinite, alpha
         is not positive or beta negative.
 
+    Notes
+    -----
+    Source: S. J. Julier and J. K. Uhlmann, Unscented filtering and nonlinear estimation,
+    Proceedings of the IEEE 92 (2004).
+
     Examples
     --------
     >>> from rcac_numeric.estimation import UKF, LinearModel, estimate

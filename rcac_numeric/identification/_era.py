@@ -71,7 +71,9 @@ def eigensystem_realisation(
 
     Notes
     -----
-    Source: [96] of the text; `stable` after J. M. Maciejowski, Guaranteed stability with subspace
+    Source: [96] of the text, J.-N. Juang and R. S. Pappa, An eigensystem realization algorithm for
+    modal parameter identification and model reduction, Journal of Guidance, Control, and Dynamics
+    8 (1985); `stable` after J. M. Maciejowski, Guaranteed stability with subspace
     methods, Systems and Control Letters 26 (1995). The same realisation, up to the sign of each
     state, as `control.eigensys_realization` gives for the same Hankel matrix.
 

@@ -30,9 +30,11 @@ class NeweyWest:
     Notes
     -----
     The weights are Bartlett's, so that the covariance is positive semidefinite. It is itself
-    uncertain, like one of 3/(2b) degrees of freedom, which regions of confidence count. Source: E.
-    Lazarus, D. J. Lewis, J. H. Stock, M. W. Watson, HAR inference: recommendations for practice,
-    Journal of Business and Economic Statistics 36 (2018).
+    uncertain, like one of 3/(2b) degrees of freedom, which regions of confidence count. Source: W.
+    K. Newey and K. D. West, A simple, positive semi-definite, heteroskedasticity and
+    autocorrelation consistent covariance matrix, Econometrica 55 (1987); E. Lazarus, D. J. Lewis,
+    J. H. Stock, M. W. Watson, HAR inference: recommendations for practice, Journal of Business and
+    Economic Statistics 36 (2018).
 
     Examples
     --------
