@@ -1,8 +1,8 @@
 """Whatever stands under a name that a command opens or writes: it leads nowhere else.
 
-docs/trust.md says how each kind is treated. What a stranger can put there comes out of an archive: a
-text, a link, a hard link, a pipe, a folder. Each command then gives the right answer or refuses in
-our words; nothing outside is touched, nothing waits.
+docs/trust.md says how each kind is treated. What a stranger can put there comes out of an archive:
+a text, a link, a hard link, a pipe, a folder. Each command then gives the right answer or refuses
+in our words; nothing outside is touched, nothing waits.
 """
 
 import os
