@@ -13,7 +13,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.designing._plants import DesignPlant, balanced, slower_plant
 from rcac_numeric.designing._reference import MOST, loop_radius
-from rcac_numeric.identification._box_jenkins import ProcessFit
+from rcac_numeric.identification._box_jenkins import UNSTABLE, ProcessFit
 from rcac_numeric.identification._process_evidence import (
     KNOWN,
     MISFIT,
@@ -67,6 +67,11 @@ class GateLoop:
     def stabilises(self, plant: DesignPlant) -> bool:
         """Whether the loop with a plant is stable."""
         return bool(loop_radius(plant.servo(), self.parts) < 1)
+
+    def is_robust(self, plant: DesignPlant) -> bool:
+        """Whether Ms with an unstable plant is at most that of an unstable model."""
+        L = plant.response(OMEGA)[:, 0, 0] * responses_of(self.parts, OMEGA)[:, 0, 0]
+        return bool(np.max(1 / np.abs(1 + L)) <= UNSTABLE_ROBUST)
 
 
 def gate_loop(plant: DesignPlant, compensator: Compensator, every: int = 1) -> GateLoop:
@@ -124,33 +129,36 @@ def controller_gates(
     )  # fmt: skip
     sign = sign_gate(search, fit, loop.crossover / LOW / loop.every)
     return (
-        gain, sign, _rivals(search, fit, loop, sample_time), remainder,
+        gain, sign, rivals_gate(search, fit, loop, sample_time), remainder,
         _halves(loop, parts), robust,
     )  # fmt: skip
 
 
-def _rivals(
+def rivals_gate(
     search: ProcessSearch, fit: ProcessFit, loop: GateLoop, sample_time: float | None
 ) -> Gate:
-    """Whether the controller stabilises every credible model and delay."""
+    """Whether the controller stabilises every credible model and delay.
+
+    Unstable ones robustly: with a narrow margin the controller loses a plant beside the model, and
+    the pole of an unstable model is known less well than the response of a stable one.
+    """
     unit_u, unit_y = search.record.units
     models: dict[tuple[object, ...], tuple[Array, Array, int]] = {}
-    for one in search.fits:
+    for one in [*search.fits, *search.jumped]:
         if one is not fit and search.credible(one):
             models.setdefault(one.key, (one.B, one.denominator, one.delay))
     for B, delay in credible_delays(search, fit):
         models.setdefault(("delay", delay), (B, fit.denominator, delay))
-    unstable = [
-        (A, delay) for B, A, delay in models.values()
-        if not loop.stabilises(
-            design_plant(B, A, delay, unit_y / unit_u, sample_time, loop.every)
-        )
-    ]  # fmt: skip
-    which = "".join(f", such as order {len(A) - 1} with delay {d}" for A, d in unstable[:1])
+    lost = []
+    for B, A, delay in models.values():
+        plant = design_plant(B, A, delay, unit_y / unit_u, sample_time, loop.every)
+        is_unstable = bool((np.abs(np.roots(A)) > UNSTABLE).any())
+        if not loop.stabilises(plant) or (is_unstable and not loop.is_robust(plant)):
+            lost.append(f", and not order {len(A) - 1} with delay {delay}")
     return Gate(
-        "rivals", not unstable, float(len(unstable)), 0.0,
-        f"the fixed controller stabilises {len(models) - len(unstable)} of {len(models)} credible "
-        f"models{which if unstable else ''}",
+        "rivals", not lost, float(len(lost)), 0.0,
+        f"the fixed controller stabilises {len(models) - len(lost)} of {len(models)} credible "
+        f"models, unstable ones with Ms of at most {UNSTABLE_ROBUST:g}{''.join(lost[:1])}",
         "Several plants fit the record and need different controllers: excite u more, record "
         "longer, or give the dead time.",
     )  # fmt: skip

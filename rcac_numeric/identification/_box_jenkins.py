@@ -16,6 +16,7 @@ CIRCLE, OF_C = 0.99999, 0.995  # largest modulus of a pole of the plant or of D,
 EMPTY = np.zeros((0, 0))  # where a column depends on the others
 DIFFERENCE = np.array([1.0, -1.0])
 ONE = np.ones(1)
+UNSTABLE = 1.001  # modulus of a pole from which a model counts as unstable
 ITERATIONS = 25
 DECREASE = 1e-2  # of N log(sum of squares): below it an iteration has settled
 SETTLED = 0.1  # of DECREASE: a predicted decrease below it is not tried
@@ -60,6 +61,8 @@ class ProcessFit:
         Whether A multiplies y and stands below the noise too, so that its poles may be anywhere.
     sinusoid : float
         Frequency of a sinusoid beside the level, in rad/step; 0 where there is none.
+    jump : int
+        The row from which the level is another one; 0 where it does not jump.
     e : array
         The prediction errors.
     jacobian : array, shape (parameters, steps)
@@ -81,6 +84,7 @@ class ProcessFit:
     slope: bool
     armax: bool
     sinusoid: float
+    jump: int
     e: Array
     jacobian: Array
     parameters: int
@@ -107,7 +111,7 @@ class ProcessFit:
         """What the model is: its orders, delay and kind."""
         return (
             self.order, self.delay, self.noise.orders, self.armax, self.summed, self.slope,
-            self.sinusoid > 0,
+            self.sinusoid > 0, self.jump,
         )  # fmt: skip
 
     @cached_property
@@ -118,7 +122,7 @@ class ProcessFit:
     @property
     def is_unstable(self) -> bool:
         """Whether a pole is outside the unit circle by more than 0.001."""
-        return bool((np.abs(self.poles) > 1.001).any())
+        return bool((np.abs(self.poles) > UNSTABLE).any())
 
     def response(self, omega: Array) -> ComplexArray:
         """G(exp(j omega)) in units of the record."""
@@ -137,6 +141,7 @@ class Start:
     slope: bool = False
     armax: bool = False
     sinusoid: float = 0.0
+    jump: int = 0
 
     @property
     def coefficients(self) -> Array:
@@ -155,7 +160,8 @@ def response_of(B: Array, A: Array, delay: int, omega: Array) -> ComplexArray:
 def start_of(fit: ProcessFit) -> Start:
     """What another fit may begin at, from this one."""
     return Start(
-        fit.A, fit.B, fit.delay, fit.noise, fit.summed, fit.slope, fit.armax, fit.sinusoid
+        fit.A, fit.B, fit.delay, fit.noise, fit.summed, fit.slope, fit.armax, fit.sinusoid,
+        fit.jump,
     )  # fmt: skip
 
 
@@ -215,6 +221,8 @@ class _Errors:
         self.known = [np.ones(steps)]
         if start.summed or start.slope:
             self.known.append(np.linspace(0, 1, steps))
+        if start.jump:
+            self.known.append(1.0 * (np.arange(steps) >= start.jump))
         self.fixed = len(self.known) + 2 * bool(start.sinusoid)
         self.free = self.fixed + self.n
 
@@ -432,11 +440,11 @@ def _evaluated(record: ProcessRecord, errors: _Errors, point: _Point, J: Array) 
     if errors.weights is not None:
         e = np.asarray(lfilter(noise.whitener, noise.C, _unweighted(point)))
     gauss, student, _ = record.likelihood(e)
-    parameters = len(point.theta) + errors.free + 1
+    parameters = len(point.theta) + errors.free + 1 + bool(start.jump)
     bic = record.steps * min(gauss, student) + parameters * float(np.log(record.steps))
     return ProcessFit(
         A, B, start.delay, noise, start.summed, start.slope, start.armax,
-        float(point.theta[-1]) if start.sinusoid else 0.0, e, J, parameters, bic,
+        float(point.theta[-1]) if start.sinusoid else 0.0, start.jump, e, J, parameters, bic,
         student < gauss - 0.02,
     )  # fmt: skip
 

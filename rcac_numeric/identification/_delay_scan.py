@@ -120,11 +120,12 @@ class ScanStart:
 
 
 def pole_starts(
-    record: ProcessRecord, y: Array, u: Array, cost: Array
+    record: ProcessRecord, y: Array, u: Array, cost: Array, beside: Sequence[Array] = ()
 ) -> list[tuple[ScanStart, ...]]:
     """For each whitener the best one and two real poles of a grid, at the best delay.
 
-    `cost` is what each delay adds to N log(sum of squares).
+    `cost` is what each delay adds to N log(sum of squares), `beside` further parts of
+    the level, in rows.
     """
     steps, delays = record.steps, len(cost)
     longest = max(10.0, min(steps / 4, LONGEST))
@@ -134,14 +135,17 @@ def pole_starts(
     results = []
     for D, differences in WHITENERS:
         top = np.convolve(D, DIFFERENCE) if differences else D
-        y_f, u_f, level, h = lfilter(top, ONE, np.stack([y, u, np.ones(steps), impulse]))
+        rows = [y, u, impulse, np.ones(steps), *beside]
+        y_f, u_f, h, *levels = lfilter(top, ONE, np.stack(rows))
         filtered, denominators = [], []
         for a in one_poles:
             first = lfilter(ONE, [1.0, -a], np.stack([u_f, h]))
             filtered += [first, lfilter(ONE, [1.0, -(a**2)], first)]
             denominators += [np.array([1.0, -a]), np.poly([a, a**2])]
         both = np.stack(filtered)
-        free = np.stack([np.broadcast_to(level, both[:, 1].shape), both[:, 1]], axis=1)
+        free = np.stack(
+            [*(np.broadcast_to(one, both[:, 1].shape) for one in levels), both[:, 1]], axis=1
+        )
         scan = delay_scan(y_f, both[:, 0], free, 2, delays)
         value = steps * np.log(scan.squares) + cost
         at = value.argmin(axis=1)
@@ -156,7 +160,9 @@ def pole_starts(
     return results
 
 
-def unstable_starts(record: ProcessRecord, cost: Array) -> list[tuple[ScanStart, int]]:
+def unstable_starts(
+    record: ProcessRecord, cost: Array, beside: Sequence[Array] = ()
+) -> list[tuple[ScanStart, int]]:
     """The best models with a pole outside the circle, and the differences of their noise.
 
     Of a grid of poles, at the best delay, where C is A with that pole reflected: then y goes
@@ -177,8 +183,8 @@ def unstable_starts(record: ProcessRecord, cost: Array) -> list[tuple[ScanStart,
             u = lfilter(top, C, u_y[0])
             ys.append(lfilter(np.convolve(top, A), C, u_y[1]))
             us.append(u)
-            level, start = lfilter(top, C, np.stack([np.ones(steps), impulse]))
-            free.append(np.stack([level, start, later(start, 1)]))
+            start, *levels = lfilter(top, C, np.stack([impulse, np.ones(steps), *beside]))
+            free.append(np.stack([*levels, start, later(start, 1)]))
             denominators.append(A)
         scan = delay_scan(np.stack(ys), np.stack(us), np.stack(free), 2, len(cost))
         value = steps * np.log(scan.squares) + cost

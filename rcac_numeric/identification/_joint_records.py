@@ -17,7 +17,6 @@ from rcac_numeric.arrays._validation import gaps_as_nan, integer, items
 from rcac_numeric.identification._process_records import (
     JUMP,
     LEAST,
-    QUANTUM_SD,
     ROBUST,
     at_rest,
     likelihood_of,
@@ -138,7 +137,7 @@ class JointRecord:
 
     def likelihood(self, e: Array) -> tuple[float, float, float]:
         """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter."""
-        return likelihood_of(e, self.quantum * QUANTUM_SD)
+        return likelihood_of(e, self.quantum)
 
     def only(self, parts: Sequence[int]) -> JointRecord:
         """Some of the parts as a record."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
+from scipy.special import gammaln
 
 from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
@@ -33,6 +34,8 @@ REFINED = 6  # of the best, for each number of integrators, by the prediction er
 PENALTY = 1.5  # times that of BIC
 PAST_U, PAST_Y = 20, 4  # lags by which u is told from its past, and from what it answers to
 FEEDBACK = 3.0  # times the penalty of BIC: u that is held or filtered is no answer to y
+ODDS = 2 * float(np.log(1e4))  # -2 log of the odds of one in ten thousand
+SHAPES = np.geomspace(0.5, 20.0, 25)  # exponents of a density: 1 Laplace, 2 Gauss, 20 two values
 FOLLOWED = 0.2  # median over standard deviation of what of u moves a few times; Gaussian: 0.67
 STIRRED = 1e-3  # of u: what of it must not follow from y, or from its own past
 EXACT = 1e-7  # of y: prediction errors that are rounding, and correlated with anything
@@ -206,7 +209,10 @@ def leads(u: Array, y: Array) -> bool | None:
     u(k) follows from y(k) and the past exactly but at a few steps. Where past y predicts nothing of
     u(k), an open loop is shown only if past u does not either: a controller and noise make no white
     u. Of a coloured u the past tells as much as past y where the noise, which u repeats, is larger
-    than what moves u.
+    than what moves u. There the distributions decide, if they are not Gaussian: of two values, of
+    which one is a multiple of the other and something independent, only the right order leaves
+    them independent (A. Hyvarinen and S. M. Smith, Journal of Machine Learning Research 14 (2013)
+    111-152).
     """
     steps = len(u)
     now = _unit(lagged((u - u.mean())[:, None], PAST_U + 1))
@@ -224,7 +230,29 @@ def leads(u: Array, y: Array) -> bool | None:
     is_followed = float(np.median(np.abs(rest))) < FOLLOWED * float(np.std(rest))
     if not (criteria[0] < criteria[1] and criteria[3] < criteria[2]) or is_followed:
         return False
-    return True if _is_white(u_now[:, 0], past_u) else None
+    if _is_white(u_now[:, 0], past_u):
+        return True
+    odds = _odds_of_cause(y_now[:, 0], u_now[:, 0], np.hstack([past_u, past_y]))
+    return None if abs(odds) < ODDS else odds < 0
+
+
+def _odds_of_cause(first: Array, second: Array, past: Array) -> float:
+    """2 log of the odds that the first signal moves the second, not the second the first."""
+    Q, _ = np.linalg.qr(past)
+    a, b = first - Q @ (Q.T @ first), second - Q @ (Q.T @ second)
+    rest_b, rest_a = b - a * (a @ b) / (a @ a), a - b * (a @ b) / (b @ b)
+    less = _description(b) + _description(rest_a) - _description(a) - _description(rest_b)
+    return 2 * len(a) * less
+
+
+def _description(e: Array) -> float:
+    """-log likelihood a step of e over its standard deviation, generalised Gaussian.
+
+    The density is proportional to exp(-abs(e/s)^p), with the best s and p.
+    """
+    size = np.abs(e) / np.std(e)
+    scales = np.array([(p * np.mean(size**p)) ** (1 / p) for p in SHAPES])
+    return float(np.min(np.log(2 * scales / SHAPES) + gammaln(1 / SHAPES) + 1 / SHAPES))
 
 
 def _is_white(now: Array, past: Array) -> bool:

@@ -30,6 +30,7 @@ from rcac_numeric.identification._delay_scan import scanned_again
 from rcac_numeric.identification._prediction_error import leads
 from rcac_numeric.identification._process_records import DEGREES, ProcessRecord
 from rcac_numeric.identification._process_search import (
+    FEW,
     NOISES,
     ODDS,
     RICHER,
@@ -39,7 +40,6 @@ from rcac_numeric.identification._process_search import (
 
 SURE = float(np.sqrt(np.log(1e4)))  # P(abs(x) > SURE) = 1e-4, complex Gaussian x of E abs(x)^2 = 1
 KNOWN = 1 / SURE  # largest relative standard deviation of the gain around the crossover
-FEW = 3  # moves of u: jumps of the level may be all that is to be seen
 MOST_JUMPS = 3
 MISFIT = 1e-4  # level of the test of e against past u
 COLOUR = 8  # order of the autoregression of e
@@ -411,7 +411,7 @@ def sign_gate(search: ProcessSearch, fit: ProcessFit, omega: float) -> Gate:
     """Whether all credible models of the same stability have the sign of this one."""
     at = np.array([omega])
     others = [
-        one for one in search.distinct
+        one for one in search.rivals
         if one.is_unstable == fit.is_unstable
         and not np.real(one.response(at) / fit.response(at)).item() > 0
     ]  # fmt: skip

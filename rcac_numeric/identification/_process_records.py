@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import gammaln
+from scipy.ndimage import median_filter
+from scipy.optimize import minimize_scalar
+from scipy.special import gammaln, log_ndtr
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
@@ -15,11 +18,14 @@ from rcac_numeric.identification._scalar_record import scalar_signal
 LEAST = 30  # steps of a record
 REST = 3  # steps of a constant u from which a record begins at rest
 SPIKE = 8.0  # robust standard deviations of the second difference
+SPAN = 5  # rows, of which the median is no spike: one or two values
 SPIKES = 0.02  # of the steps: more of them are no accidents
 JUMP = 6.0  # robust standard deviations of a difference: a jump of the level
 DEGREES = 4.0  # of Student's t
 ROBUST = 1.4826  # standard deviations of a Gaussian in a median of absolute values
 QUANTUM_SD = 12**-0.5  # standard deviation of rounding, in quanta
+SHARPEST = 0.02  # of a quantum: the least scale of the noise before the rounding
+ROUNDED = 1 - 1e-15  # a share of 1 within rounding has no logarithm of its complement
 T_CONSTANT = -2 * float(
     gammaln((DEGREES + 1) / 2) - gammaln(DEGREES / 2) - 0.5 * np.log(DEGREES * np.pi)
 )
@@ -40,7 +46,7 @@ class ProcessRecord:
     quantum : float
         The step by which y is rounded, in units of y; 0 where it is not visible.
     spikes : int
-        Single values of y that were replaced by the mean of their neighbours.
+        Values of y that were replaced by the line between those beside.
     """
 
     u: Array
@@ -103,9 +109,9 @@ class ProcessRecord:
     def likelihood(self, e: Array) -> tuple[float, float, float]:
         """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter.
 
-        No scale is below that of the rounding of y.
+        Of a rounded y that of its cells; no scale is below that of its rounding.
         """
-        return likelihood_of(e, self.rounding)
+        return likelihood_of(e, self.quantum)
 
     def weights(self, e: Array) -> Array:
         """The square roots of the weights by which least squares have Student's likelihood."""
@@ -113,18 +119,58 @@ class ProcessRecord:
         return np.sqrt((DEGREES + 1) / (DEGREES + (e / scale) ** 2))
 
 
-def likelihood_of(e: Array, floor: float) -> tuple[float, float, float]:
-    """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter."""
-    squares = e * e
+def likelihood_of(e: Array, quantum: float) -> tuple[float, float, float]:
+    """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter.
+
+    Of a rounded y the likelihood is that of its cell: the probability that prediction and noise are
+    rounded to y, over the width of the cell. No scale is below the deviation of a rounding.
+    """
+    squares, floor = e * e, quantum * QUANTUM_SD
     mean = float(np.mean(squares))
-    variance = max(mean, floor**2, 1e-300)
-    gauss = float(np.log(variance) + mean / variance + GAUSS_CONSTANT)
     scale = max(float(np.sqrt(np.median(squares))), floor, 1e-150)
     for _ in range(12):
         weights = (DEGREES + 1) / (DEGREES + squares / scale**2)
         scale = max(float(np.sqrt(np.mean(weights * squares))), floor, 1e-150)
+    if quantum:
+        size = np.abs(e)
+        return _of_cells(size, quantum, _gauss), _of_cells(size, quantum, _student), scale
+    variance = max(mean, 1e-300)
+    gauss = float(np.log(variance) + mean / variance + GAUSS_CONSTANT)
     tails = (DEGREES + 1) * float(np.mean(np.log1p(squares / (DEGREES * scale**2))))
     return gauss, 2 * float(np.log(scale)) + tails + T_CONSTANT, scale
+
+
+def _of_cells(size: Array, quantum: float, log_share: Callable[[Array, Array], Array]) -> float:
+    """-2 log likelihood a step of errors of a rounded y, by the best scale of the noise."""
+    low, high = size - quantum / 2, size + quantum / 2
+
+    def value(log_scale: float) -> float:
+        scale = np.exp(log_scale)
+        return -2 * float(np.mean(log_share(low / scale, high / scale)))
+
+    most = float(np.sqrt(np.mean(size**2))) + quantum
+    ends = float(np.log(quantum * SHARPEST)), float(np.log(2 * most))
+    best = minimize_scalar(value, bounds=ends, method="bounded", options={"xatol": 0.02})
+    return float(best.fun) + 2 * float(np.log(quantum))
+
+
+def _gauss(low: Array, high: Array) -> Array:
+    """The logarithm of the probability between two values, the lower the nearer to 0."""
+    above = log_ndtr(-low)
+    return np.asarray(above + np.log1p(-np.exp(log_ndtr(-high) - above) * ROUNDED))
+
+
+def _student(low: Array, high: Array) -> Array:
+    """The same for Student's t of four degrees.
+
+    P(x > a) = (1 - t)^2 (2 + t)/4 with t = a/sqrt(4 + a^2).
+    """
+    shares = []
+    for a in (low, high):
+        root = np.sqrt(DEGREES + a * a)
+        rest = np.where(a > 0, DEGREES / (root * (root + np.abs(a))), 1 - a / root)  # 1 - t
+        shares.append(rest**2 * (3 - rest) / 4)
+    return np.log(np.maximum(shares[0] - shares[1], 1e-300))
 
 
 def process_record(u: ArrayLike, y: ArrayLike) -> ProcessRecord:
@@ -163,7 +209,7 @@ def quantum_of(y: Array) -> float:
 
 
 def without_spikes(y: Array) -> tuple[Array, int]:
-    """Y with single spikes replaced by the mean of their neighbours, and how many there are."""
+    """Y with spikes of one or two rows replaced from the rows beside, and how many values."""
     size = float(np.std(y))
     bend = np.zeros(len(y))
     bend[1:-1] = y[1:-1] - (y[:-2] + y[2:]) / 2
@@ -174,10 +220,15 @@ def without_spikes(y: Array) -> tuple[Array, int]:
     if spread < 1e-9 * size:
         most = float(np.quantile(np.abs(bend), 0.99))
         spread = max(spread, float(np.sqrt(np.mean(np.clip(bend, -most, most) ** 2))))
+    far = np.abs(y - median_filter(y, SPAN, mode="nearest")) > SPIKE * spread
+    at = np.nonzero(far & (np.abs(bend) > SPIKE * spread / 2))[0]
+    quiet = np.setdiff1d(np.arange(len(y)), at)
+    line = np.interp(at, quiet, y[quiet])
     cleaned, count = y.copy(), 0
-    for k in np.nonzero(np.abs(bend) > SPIKE * spread)[0]:
-        beside = max(abs(bend[k - 1]), abs(bend[k + 1]))
-        if abs(bend[k]) >= 1.5 * beside and abs(y[k + 1] - y[k - 1]) < 0.5 * abs(bend[k]):
-            cleaned[k] = (y[k - 1] + y[k + 1]) / 2
+    for k, value in zip(at, line, strict=True):
+        near = int(np.searchsorted(quiet, k))
+        moves = np.abs(np.diff(y[quiet[max(near - 2, 0) : near + 2]]))
+        if moves.max() < 0.5 * abs(y[k] - value):  # a peak of the response is no spike
+            cleaned[k] = value
             count += 1
     return (cleaned, count) if count <= SPIKES * len(y) else (y, 0)

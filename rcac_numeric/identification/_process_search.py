@@ -30,17 +30,17 @@ from rcac_numeric.identification._delay_scan import (
     scanned_again,
     unstable_starts,
 )
-from rcac_numeric.identification._prediction_error import answers
+from rcac_numeric.identification._prediction_error import ODDS, answers
 from rcac_numeric.identification._process_records import JUMP, ROBUST, ProcessRecord
 from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 
-ODDS = 2 * float(np.log(1e4))  # -2 log of the odds of one in ten thousand
 USUAL = 80  # steps: a longer dead time must pay ODDS
 MOST_STEPS = 1000  # of a dead time
 NOISES = ((1, 1, 0), (1, 0, 1))  # orders of C and D, and differences
 RICHER = {0: (2, 2, 0), 1: (2, 1, 1)}
 SHORT = 5  # iterations of a fit that is compared only
 MOST_ORDER = 4
+FEW = 3  # moves of u: what the disturbance does beside them may be all that is to be seen
 SLOW = 30.0  # abs(1 - pole) times the steps: a pole that may be 1
 PEAK = 20.0  # of the median of the periodogram: a sinusoid
 RING, NOTCH = 0.9995, 0.9  # moduli of the roots of D and C of a sinusoid
@@ -97,6 +97,7 @@ class ProcessSearch:
         self.is_known = delay is not None
         self.is_closed = not is_direct and is_answer(record)
         self.fits: list[ProcessFit] = []
+        self.jumped: list[ProcessFit] = []
         self.short: list[ProcessFit] = []
         self._box_jenkins(record)
         clipped = record.clipped()
@@ -107,16 +108,21 @@ class ProcessSearch:
         self._integrating()
         self._richer()
         self._sinusoids()
-        if self.is_closed or (has_many_values(record) and record.steps >= 100):
+        may_respond = self.is_closed or (has_many_values(record) and record.steps >= 100)
+        if may_respond:
             self._armax(record)
             y = _without_jumps(record)
             if y is not None:
                 self._armax_of_clipped(replace(record, y=y))
         self._cancelled()
         self._undamped()
+        sinusoids_of_best = [one.sinusoid for one in self._best(1) if one.sinusoid]
+        if may_respond and sinusoids_of_best:
+            self._armax(record, omega=sinusoids_of_best[0])
         self._robust()
         self._rank()
         self._without_cancelled()
+        self._jumped()
 
     @property
     def delays(self) -> int:
@@ -147,6 +153,11 @@ class ProcessSearch:
                 key = fit.order, fit.delay, fit.noise.differences, fit.armax, fit.summed
                 kinds.setdefault(key, fit)
         return list(kinds.values())
+
+    @property
+    def rivals(self) -> list[ProcessFit]:
+        """The credible models, and those with a level jump beside the response to u."""
+        return self.distinct + [one for one in self.jumped if self.credible(one)]
 
     def of_order(self, order: int) -> ProcessFit | None:
         """The best model of an order, credible or not; None if there is none."""
@@ -300,10 +311,7 @@ class ProcessSearch:
 
     def _integrating(self) -> None:
         """A pole at 1, u summed, where one is so near that the record cannot tell."""
-        slow = [
-            one for one in self._best(6)
-            if not one.armax and _slowest(one) > 1 - SLOW / self.record.steps
-        ]  # fmt: skip
+        slow = self._may_integrate()
         if not slow:
             return
         none = NoiseModel(ONE, ONE, 0)
@@ -339,6 +347,51 @@ class ProcessSearch:
         for n in range(1, MOST_ORDER):
             for one in self._best(1, n, slope=False):
                 self.fit(replace(start_of(one), slope=True), 12)
+        if self.record.moves <= FEW or self._may_integrate():
+            for one in self._beside(np.linspace(0, 1, self.record.steps), slope=True)[:2]:
+                fit = self.fit(start_of(one))
+                if fit is not None:
+                    self._moved(fit)
+
+    def _may_integrate(self) -> list[ProcessFit]:
+        """The best models that have a pole which the record cannot distinguish from 1."""
+        limit = 1 - SLOW / self.record.steps
+        return [one for one in self._best(6) if not one.armax and _slowest(one) > limit]
+
+    def _beside(self, column: Array, *, slope: bool = False, jump: int = 0) -> list[ProcessFit]:
+        """Short fits from the global start with a further part of the level, the best first."""
+        record, first, none = self.record, len(self.fits), NoiseModel(ONE, ONE, 0)
+        level = np.stack([np.ones(record.steps), column])
+        for pair in pole_starts(record, record.y, record.u, self.costs, [column]):
+            for one in pair:
+                start = Start(one.A, one.B, one.delay, none, slope=slope, jump=jump)
+                v = disturbance(record, start)
+                v = v - np.linalg.lstsq(level.T, v, rcond=None)[0] @ level
+                for orders in NOISES:
+                    self.fit(with_noise(start, noise_start(v, orders)), SHORT)
+        short = sorted(self.fits[first:], key=_bic)
+        del self.fits[first:]
+        return short
+
+    def _jumped(self) -> None:
+        """Rivals of a record of few moves of u: the level jumps beside the response to u.
+
+        In the row in which a response begins, or where y jumps. With more moves no jump can stand
+        for a response.
+        """
+        record = self.record
+        if record.moves > FEW or not self.fits:
+            return
+        moves, k = np.nonzero(np.diff(record.u))[0] + 1, np.arange(record.steps)
+        rows = {int(row) + one.delay + 1 for row in moves for one in self.distinct[:2]}
+        first = len(self.fits)
+        for row in sorted(rows | set(record.large_jumps(FEW))):
+            if not 0 < row < record.steps:
+                continue
+            for one in self._beside(1.0 * (k >= row), jump=row)[:2]:
+                self.fit(start_of(one))
+        self.jumped = sorted(self.fits[first:], key=_bic)
+        del self.fits[first:]
 
     def _richer(self) -> None:
         """Noise of order 2 for the best."""
@@ -399,10 +452,14 @@ class ProcessSearch:
         for one in best:
             self._weighted(start_of(one))
 
-    def _armax(self, record: ProcessRecord, worse: float = WORSE) -> None:
-        """Models whose poles may be anywhere; only those with one outside the circle are kept."""
+    def _armax(self, record: ProcessRecord, worse: float = WORSE, omega: float = 0.0) -> None:
+        """Models whose poles may be anywhere; only those with one outside the circle are kept.
+
+        With a sinusoid of a frequency beside the level where `omega` is positive.
+        """
         bj = self._best(1)
         first = len(self.fits)
+        waves = sinusoids(omega, record.steps) if omega else ()
         starts: list[tuple[float, Start]] = []
         for differences in (0, 1):
             y, u = _differenced(record, differences)
@@ -419,12 +476,14 @@ class ProcessSearch:
         regressions = [start for _, start in starts[:4]]
         scanned = [
             Start(one.A, one.B, one.delay, NoiseModel(confined(one.A, 1.0), ONE, i), armax=True)
-            for one, i in unstable_starts(record, self.costs)
+            for one, i in unstable_starts(record, self.costs, waves)
         ]
-        for start in scanned + regressions:
+        for start in [replace(one, sinusoid=omega) for one in scanned + regressions]:
             n, differences = len(start.A) - 1, start.noise.differences
             self.fit(start, SHORT)
             v = disturbance(record, start)
+            if omega:
+                v = _without_sinusoid(v, omega)[1]
             for orders in ((n, 1, 0), (n + 1, 0, 1)):
                 if orders[2] == differences:
                     self.fit(with_noise(start, noise_start(v, orders)), SHORT)
@@ -534,6 +593,15 @@ class ProcessSearch:
         self._rank()
         if not self.fits or not self.fits[0].heavy:
             return
+        # Of a noise that drifts a spike is two errors, of white noise one.
+        for one in [one for one in self.fits if not one.armax][:2]:
+            white = fitted(
+                self.record, with_noise(start_of(one), NoiseModel(ONE, ONE, 0)),
+                weights=self.record.weights(one.e), iterations=8,
+            )  # fmt: skip
+            if white is not None:
+                self._keep(weighted_fit(self.record, white))
+        self.fits.sort(key=_bic)
         kinds: dict[tuple[object, ...], ProcessFit] = {}
         for one in self.fits:
             key = one.order, one.delay, one.noise.differences, one.armax, one.noise.orders

@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scipy import stats
 from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError, UndecidedError
+from rcac_numeric import Compensator
+from rcac_numeric.designing._log_gates import GateLoop, rivals_gate
 from rcac_numeric.identification import identify_process
 from rcac_numeric.identification._box_jenkins import (
+    ONE,
     NoiseModel,
     Start,
     _Errors,
@@ -20,12 +24,17 @@ from rcac_numeric.identification._box_jenkins import (
     start_of,
 )
 from rcac_numeric.identification._delay_scan import delay_scan
-from rcac_numeric.identification._prediction_error import leads
+from rcac_numeric.identification._prediction_error import ODDS, _odds_of_cause, leads
 from rcac_numeric.identification._process import search_of
-from rcac_numeric.identification._process_evidence import KNOWN, feedthrough_gate
-from rcac_numeric.identification._process_records import process_record
+from rcac_numeric.identification._process_evidence import KNOWN, OMEGA, feedthrough_gate
+from rcac_numeric.identification._process_records import (
+    _gauss,
+    _student,
+    likelihood_of,
+    process_record,
+    without_spikes,
+)
 from rcac_numeric.identification._process_search import (
-    ODDS,
     _without_jumps,
     has_hidden_pair,
 )
@@ -118,16 +127,18 @@ def test_an_unstable_plant_under_a_weak_dither_is_among_the_credible_models():
 @given(
     seed=st.integers(0, 999), slope=st.booleans(), armax=st.booleans(), weighted=st.booleans(),
     differences=st.integers(0, 1), sinusoid=st.sampled_from([0.0, 0.07]),
+    jump=st.sampled_from([0, 30, 120]),
 )  # fmt: skip
 def test_the_gradient_is_that_of_the_prediction_errors(
-    seed, slope, armax, weighted, differences, sinusoid
+    seed, slope, armax, weighted, differences, sinusoid, jump
 ):
     rng = np.random.default_rng(seed)
     u = rng.standard_normal(200)
     record = process_record(u, lag(u, 0.3, rng))
     noise = NoiseModel(np.array([1, -0.4, 0.1]), np.array([1, -0.6]), differences)
     start = Start(
-        np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1, noise, False, slope, armax, sinusoid
+        np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1, noise, False, slope, armax, sinusoid,
+        jump,
     )  # fmt: skip
     weights = 1 + 0.5 * np.sin(np.arange(200)) if weighted else None
     errors = _Errors(record, start, weights)
@@ -252,6 +263,77 @@ def test_jumps_that_look_like_the_answer_to_one_step_fail_the_gate():
     assert "level jumps" in {gate.name for gate in model.failed}
 
 
+@pytest.mark.costly
+@pytest.mark.parametrize("seed", range(4))
+def test_a_jump_in_the_row_in_which_the_response_begins_leaves_the_sign_open(seed):
+    """A level jump against the response to the only step of u, with the largest of its errors."""
+    rng = np.random.default_rng(seed)
+    row, delay, pole = int(rng.integers(50, 100)), int(rng.integers(3, 12)), rng.uniform(0.85, 0.95)
+    k = np.arange(300)
+    y = lag(1.0 * (k >= row), 0.02, rng, delay, pole, 1 - pole) - 4.0 * (k >= row + delay + 1)
+    model = identify_process(1.0 * (k >= row), y)
+    assert {"sign", "level jumps"} & {gate.name for gate in model.failed}
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("drift", [-4.0, 4.0])
+def test_a_slope_beside_an_early_step_is_no_pole_at_1(drift):
+    """From the step on, a slope and a ramp of the response to u are one signal."""
+    rng = np.random.default_rng(3)
+    u, k = 1.0 * (np.arange(1500) >= 3), np.arange(1500)
+    y = lfilter([0, -0.037, 0.0472], np.poly([0.9, 0.89]), u) + drift * k / 1500
+    search = search_of(u, y + 0.02 * rng.standard_normal(1500), None)
+    sloped = [one for one in search.distinct if one.slope and not one.summed]
+    assert any(np.abs(one.poles).max() < 0.95 for one in sloped)
+
+
+def test_a_credible_unstable_model_must_be_held_with_a_margin():
+    """x(k+1) = 1.05 x(k) + u(k): a gain just above 0.05 holds it, one of 0.3 robustly."""
+    for gain, passes in ((0.051, False), (0.3, True)):
+        record = process_record(np.arange(40.0) % 7, np.arange(40.0) % 5)
+        one = SimpleNamespace(
+            key=(), B=ONE * record.units[0] / record.units[1], denominator=np.array([1, -1.05]),
+            delay=0,
+        )  # fmt: skip
+        search = SimpleNamespace(
+            record=record, fits=[one], jumped=[], credible=lambda fit: True, is_known=True
+        )
+        fit = SimpleNamespace(armax=True, B=one.B, denominator=np.array([1, -0.5]), delay=0)
+        K = Compensator(np.zeros((0, 1, 1)), [[[gain]]])
+        loop = GateLoop(K, np.ones(len(OMEGA)), 0.1)
+        assert rivals_gate(search, fit, loop, None).passed is passes
+
+
+@given(
+    seed=st.integers(0, 99), scale=st.floats(0.03, 30), quantum=st.sampled_from([0.5, 1.0, 3.0])
+)  # fmt: skip
+def test_the_likelihood_of_a_rounded_output_is_that_of_its_cells(seed, scale, quantum):
+    e = scale * quantum * np.random.default_rng(seed).standard_t(4, 300)
+    low, high = np.abs(e) - quantum / 2, np.abs(e) + quantum / 2
+    for log_share, law in ((_gauss, stats.norm), (_student, stats.t(4))):
+        spread = max(scale, 0.3) * quantum
+        share = law.sf(low / spread) - law.sf(high / spread)
+        resolved = share > 1e-9  # below it the difference of two tails has no digits
+        ours = log_share(low / spread, high / spread)
+        assert ours[resolved] == pytest.approx(np.log(share[resolved]), rel=1e-5, abs=1e-6)
+    fine = likelihood_of(e, quantum * 1e-5)
+    assert fine[0] == pytest.approx(likelihood_of(e, 0.0)[0], abs=1e-2)
+    assert fine[1] == pytest.approx(likelihood_of(e, 0.0)[1], abs=1e-2)
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("seed", range(3))
+def test_a_binary_u_shows_its_effect_on_a_coarsely_rounded_output(seed):
+    """Steps of half of the deviation of y: without u most rows repeat the one before."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.choice([-1.0, 1.0], 75), 20)
+    y = lfilter([0, 0.005], np.poly([0.9, 0.95]), u)
+    quantum = 0.5 * np.std(y)
+    y = quantum * np.round((y + 0.03 * np.std(y) * rng.standard_normal(1500)) / quantum)
+    model = identify_process(u, y)
+    assert model.gain == pytest.approx(1.0, rel=0.15) and not model.failed
+
+
 MOVES = {
     "few values": lambda rng: np.repeat(rng.choice([-1.0, 1.0], 200), 3),
     "white": lambda rng: rng.standard_normal(600),
@@ -324,6 +406,38 @@ def test_noise_through_a_controller_shows_no_open_loop(seed, noise, hold, direct
         u[k] = dither[k] - direct * y[k] - integral * total
         x = root * x + (1 - root) * u[k]
     assert leads(u, y) is not True
+
+
+@given(
+    seed=st.integers(0, 999), noise=st.floats(0.5, 3), gain=st.floats(0.3, 2), binary=st.booleans()
+)  # fmt: skip
+def test_distributions_show_which_value_of_a_row_moves_the_other(seed, noise, gain, binary):
+    """u = dither + gain y: of two values the dither shows that u responds; Gaussian it does not."""
+    rng = np.random.default_rng(seed)
+    y = noise * rng.standard_normal(1000)
+    dither = rng.choice([-1.0, 1.0], 1000) if binary else rng.standard_normal(1000)
+    past = rng.standard_normal((1000, 3))
+    odds = _odds_of_cause(y, dither + gain * y, past)
+    assert odds == pytest.approx(-_odds_of_cause(dither + gain * y, y, past), abs=1e-6)
+    assert odds > ODDS if binary else abs(odds) < ODDS
+
+
+@given(
+    seed=st.integers(0, 999), width=st.sampled_from([1, 2]), gap=st.sampled_from([1, 2, 30]),
+    size=st.sampled_from([-30.0, 5.0, 100.0]),
+)  # fmt: skip
+def test_spikes_are_replaced_and_a_peak_of_the_response_is_not(seed, width, gap, size):
+    """Spikes of one row beside each other, or one of two rows; a response that rises in 3 rows."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(500)
+    smooth = 3 * np.exp(-(((k - 250) / 3.0) ** 2)) + 0.05 * rng.standard_normal(500)
+    rows = [100, 101] if width == 2 else [100, 101 + gap]
+    y = smooth.copy()
+    y[rows] += size
+    cleaned, count = without_spikes(y)
+    assert count == 2
+    assert np.abs(cleaned - smooth).max() < 0.6
+    assert without_spikes(smooth)[1] == 0
 
 
 @pytest.mark.costly
