@@ -130,6 +130,17 @@ def test_example_7_1_and_7_2():
     assert "K = [[-3, -5]]" in str(first) and "G_c" in first._repr_latex_()
 
 
+@given(strictly_proper_plants(max_order=3), st.data())
+def test_the_transfer_function_of_a_minimal_plant_comes_with_its_identity(plant, data):
+    """D D_c - N N_c = p_R p_O has one solution of degrees n - 1 and n."""
+    n = plant.order
+    p, r = (ct.polynomial_from_roots(data.draw(spectra(n)), "s") for _ in range(2))
+    G_c = ct.observer_based_compensator(plant, p, r).transfer_function
+    assert "p_R p_O" in G_c.certificate.identity and G_c.certificate.holds
+    N, D = plant.numerator, plant.denominator
+    assert D * G_c.denominator - N * G_c.numerator == p * r
+
+
 def test_the_numerator_may_have_a_low_degree():
     """Erratum to the proof of Proposition 1: deg N_c <= n - 1, not = n - 1."""
     A, B, C = sympy.Matrix([[0, 1], [-2, -3]]), sympy.Matrix([0, 1]), sympy.Matrix([[1, 0]])

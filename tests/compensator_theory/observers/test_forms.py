@@ -300,6 +300,31 @@ def test_grassmannian_of_forms_is_represented():
     )
 
 
+def test_where_the_general_subspace_gives_no_form_none_of_an_irreducible_family_does():
+    """C_c = 0, so that K = 0 and the regulator polynomial of a form is that of A, (s + 1)^2."""
+    plant = ([[-1, 0], [0, -1]], [[0, 0], [0, -1]], [[1, 0]])
+    forms = observer_forms(plant, ([[0]], [[1]], [[0], [0]]), variable="s")
+    assert forms.continua == ((polynomial("s**2 + s"), 1, 1),) and forms.is_complete
+    assert [poly for poly, _ in forms.rejections] == [polynomial("s**2 + s")]
+    (form,) = forms.forms  # T A = B_c C
+    assert list(form.T) == [-1, 0] and form.regulator == polynomial("(s + 1)**2")
+
+
+def test_a_family_may_have_forms_where_another_of_the_same_polynomial_has_none():
+    plant = ([[0, 0, 0], [0, 0, -1], [-1, 0, 0]], [[0, 1], [0, 0], [1, -1]], [[0, 0, 1]])
+    forms = observer_forms(plant, ([[0, 0], [0, 0]], [[0], [0]], [[0, 1], [0, 0]]), variable="s")
+    assert [family.regulator for family in forms.families] == [polynomial("s**3")]
+    assert forms.families[0].is_verified and not (forms.rejections or forms.undecided)
+
+
+def test_samples_that_fail_are_no_proof():
+    """T B C_c T = 0 for no invertible T, which the samples of a reducible variety cannot show."""
+    plant = (sympy.zeros(2), [[1], [1]], [[1, 0]])
+    forms = observer_forms(plant, (sympy.zeros(2), [[0], [0]], [[0, 1]]), variable="s")
+    assert forms.undecided == (polynomial("s**2"),)
+    assert not (forms.forms or forms.families or forms.rejections)
+
+
 @pytest.mark.costly
 @settings(max_examples=20)
 @given(rationals(), rationals())

@@ -164,6 +164,20 @@ def test_symbols():
         assert str(decision) and decision._repr_latex_().startswith("$")
 
 
+@pytest.mark.parametrize("scale", [2, sympy.Rational(-1, 3), sympy.Symbol("k", negative=True)])
+@pytest.mark.parametrize("text", ["x - a", "x**2 + a*x + 1/2", "x**2 + b*x + 2", "x**2 + b",
+                                  "x**3 + (b + 1)*x**2 + b*x + b/2", "2*x + b/(b + 1)"])  # fmt: skip
+@pytest.mark.parametrize("time", ["continuous", "discrete"])
+def test_a_factor_without_roots_changes_no_decision_with_symbols(time, text, scale):
+    x = sympy.Symbol("x")
+    names = {"x": x, "a": sympy.Symbol("a", real=True), "b": sympy.Symbol("b", positive=True)}
+    p = sympy.sympify(text, names)
+    one, other = (decide_stability(sympy.expand(c * p), x, time=time) for c in (1, scale))
+    assert one.is_stable is other.is_stable
+    pairs = zip(one.evidence, other.evidence, strict=True)
+    assert all(sympy.simplify(u - v) == 0 for u, v in pairs)
+
+
 @given(polynomials(max_degree=4), polynomials(max_degree=4))
 def test_reciprocals(p, other):
     assert reciprocal_polynomial(p * other) == reciprocal_polynomial(p) * reciprocal_polynomial(

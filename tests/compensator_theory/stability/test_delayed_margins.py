@@ -156,6 +156,28 @@ def test_the_delay_margin_ends_the_window_of_stability_delays(loop):
         assert abs(float(total - upper.centre)) < 1e-25
 
 
+@given(strictly_proper_plants(max_order=4), DELAYS)
+@example(transfer_function("1/s"), "7/2")  # a phase margin of -110 degrees
+def test_each_gain_crossover_says_the_least_delay_that_makes_it_a_root(G, delay):
+    margins = margins_of(G, delay)
+    for crossover in margins.gain_crossovers:
+        w, more = float(crossover.frequency), float(crossover.delay)
+        assert 0 < more < 2 * np.pi / w
+        assert curve(margins, w, more=more) == pytest.approx(-1, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "is_stable", "unstable"),
+    [("s + 3", True, 0), ("s**2 + 4", False, 0), ("s", False, 0), ("s - 3", False, 1)],
+)
+def test_hidden_roots_count_and_move_with_no_gain(hidden, is_stable, unstable):
+    margins = stability_margins(f"({hidden})*exp(-s/2)/(({hidden})*(s + 1))", feedback=-1)
+    assert margins.hidden.as_expr() == exact.polynomial(hidden, "s").as_expr()
+    assert (margins.is_stable, margins.unstable_roots) == (is_stable, unstable)
+    shown = stability_margins("exp(-s/2)/(s + 1)", feedback=-1)
+    assert margins.phase_crossovers == shown.phase_crossovers and shown.is_stable
+
+
 @given(strictly_proper_plants(max_order=3), DELAYS, st.sampled_from(["1/7", "3", "100"]))
 def test_scaled_time_scales_frequencies_and_no_factor(G, delay, scale):
     margins = margins_of(G, delay)

@@ -107,6 +107,18 @@ def test_known_norms():
     assert ct.h_infinity_norm(row).value == sympy.sqrt(5) == ct.h_infinity_norm(column).value
 
 
+def test_a_level_of_negative_frequencies_squared_is_none():
+    """(1 + 9 w)/(w^2 + 7 w + 1) is at least 1.56 between its poles, where w < 0."""
+    G = "(3*s + 1)/(s**2 + 3*s + 1)"
+    w = sympy.Symbol("w", positive=True)
+    square = (1 + 9 * w) / (w**2 + 7 * w + 1)
+    (at,) = sympy.solve(sympy.diff(square, w))
+    alone, beside = ct.h_infinity_norm(G), ct.h_infinity_norm([[G, 0], [0, "1/2"]])
+    assert sympy.simplify(alone.value**2 - square.subs(w, at)) == 0
+    assert beside.value == alone.value < 1.2  # a constant entry has no frequency
+    assert ct.h_infinity_norm([[G, 0], [0, 3]]).value == 3
+
+
 LEVELS = st.lists(st.integers(-4, 4), min_size=1, max_size=3)
 
 

@@ -15,6 +15,9 @@ from compensator_theory.errors import (
     UnitCircleError,
 )
 from rcac_numeric import Plant, h2_cost, lqg_controller, servo_plant, standard_plant, with_bias
+from rcac_numeric.analysis._lqg import cost_of_solutions, filter_gain
+from rcac_numeric.analysis._noise import noise_inputs
+from rcac_numeric.arrays._values import replaced
 from tests.support.dissertation_plants import (
     PLANT_4_1,
     PLANT_4_2,
@@ -147,6 +150,32 @@ def test_singular_weights_have_the_exact_poles(plant):
     accuracy = 1e-15 * max(design.regulator.condition, design.estimator.condition)
     assert design.agreement.coefficient_distance < max(1e-12, 1e3 * accuracy)
     assert design.cost.value == pytest.approx(design.cost_from_riccati, rel=max(1e-9, accuracy))
+
+
+@given(regular_plants())
+def test_roots_of_the_solutions_and_the_solutions_have_one_filter_gain_and_cost(plant):
+    """D_f and J from P and Q themselves, of which the roots are Cholesky's."""
+    inputs = noise_inputs(plant)
+    design = lqg_controller(plant, form="filter")
+    both = design.regulator, design.estimator
+    accuracy = 1e3 * max(1e-13, *(1e-15 * one.condition for one in both))
+    assume(accuracy < 1e-3)
+    results = []
+    for roots in (True, False):
+        solutions = [replaced(one, P_root=cholesky(one.P) if roots else None) for one in both]
+        D_f = filter_gain(plant, inputs, *solutions)
+        results.append((D_f, cost_of_solutions(inputs, *solutions, D_f, plant.E_2)))
+    (D_f, cost), (other, its_cost) = results
+    assert np.abs(D_f - other).max() < accuracy * max(1, np.abs(D_f).max())
+    size = lqg_controller(plant).cost_from_riccati
+    assert abs(cost - its_cost) < accuracy * size
+    assert abs(cost - design.cost_from_riccati) < accuracy * size
+
+
+def cholesky(P):
+    """S with S'S = P, of a P that may be singular."""
+    values, vectors = np.linalg.eigh(P)
+    return np.sqrt(np.maximum(values, 0))[:, None] * vectors.T
 
 
 def test_by_hand():

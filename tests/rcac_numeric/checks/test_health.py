@@ -114,6 +114,27 @@ def test_saturation_rounding_and_a_short_record_are_said():
     assert "rounding" in codes(rn.loop_health(guarded))
 
 
+def test_numbers_that_are_none_in_u_and_in_u_applied_are_no_saturation():
+    plant = rn.standard_plant("1/(q - 0.9)")
+    run = adapted(plant, rn.fir_target(plant), rn.exogenous([rn.WhiteNoise()], 100))
+    lost = run.u.copy()
+    lost[-3:] = np.nan
+    ended = replace(run, u=lost, u_applied=lost.copy())
+    assert set(rn.loop_health(ended).signals) == {"z", "u"}
+    assert "saturated" not in codes(rn.loop_health(ended))
+
+
+def test_health_has_the_margins_of_every_channel_without_the_disk():
+    """The disk margin is the costly one; stability_margins computes it."""
+    plant = rn.standard_plant("1/(q - 1.2)")
+    controller = rn.FixedController(rn.lqg_controller(plant).compensator)
+    run = rn.simulate(plant, controller, rn.exogenous([rn.Step()], steps=100))
+    expected = rn.stability_margins(run)
+    (margins,) = rn.loop_health(run).margins.values()
+    assert margins.disk is None and expected.disk is not None
+    assert margins.gain_up == expected.gain_up and margins.phase == expected.phase
+
+
 @pytest.mark.parametrize(("steps", "is_saturated"), [(4, False), (5, True), (40, True)])
 def test_saturated_is_an_actuator_that_misses_more_than_a_tenth_of_the_last_tenth(
     steps, is_saturated

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
@@ -238,6 +238,27 @@ def test_what_does_not_fit_is_refused_and_nothing_is_applied(target, error, word
     assert controller.state.values.tobytes() == before.values.tobytes()
 
 
+@given(st.floats(0, 1, exclude_max=True), st.floats(-9, 9))
+@example(0.0, 5.0)
+def test_after_a_takeover_the_difference_fades_by_powers(fade, last):
+    """A frozen FIR controller reads no past u, so that its twin makes the same requests."""
+    settings = settings_of(structure=rn.fir(3), theta_0=[0.5, -0.2, 0.1])
+    controller, twin, data = rn.Controller(settings), rn.Controller(settings), steps(settings, 9)
+    for one in (controller, twin):
+        one.freeze()
+        run(one, data[:4])
+    controller.take_over(last, fade=fade)
+    requests = run(twin, data[4:])[:, 0]
+    expected = requests + (last - requests[0]) * fade ** np.arange(5)
+    assert run(controller, data[4:])[:, 0] == pytest.approx(expected, rel=1e-12, abs=1e-12)
+
+
+def test_a_takeover_that_does_not_fade_is_refused():
+    for fade in (1, 1.0, -0.1, np.nan, True):
+        with pytest.raises(InputError, match="fade"):
+            rn.Controller(settings_of()).take_over(0.0, fade=fade)
+
+
 def test_rules_that_set_lambda_are_not_overruled():
     for update in (
         rn.UD(1.0, lambda_=rn.VariableRateForgetting(2, 9, 0.5)),
@@ -250,6 +271,16 @@ def test_rules_that_set_lambda_are_not_overruled():
     assert controller.set_target(OTHER).covariance == "keep"
     with pytest.raises(InputError, match="replay"):
         controller.set_target(OTHER, "replay")
+
+
+@pytest.mark.parametrize("every", [1, 2, 7])
+@pytest.mark.parametrize("begun", [0, 1, 4])
+def test_a_hook_is_called_before_every_multiple_but_step_0(every, begun):
+    w, calls = noise(0, 20, 1), []
+    start = rn.simulate(PLANT, settings_of(), w[:begun]).state if begun else None
+    hook = {"on_step": lambda run: calls.append(run.first_step + run.steps), "every": every}
+    rn.simulate(PLANT, settings_of(), w[begun:], start=start, **hook)
+    assert calls == [k for k in range(begun, 20) if k and k % every == 0]
 
 
 def test_hooks_that_fail_are_named_and_the_run_so_far_is_kept():

@@ -41,6 +41,23 @@ def test_without_supervision_it_is_refused_and_nothing_has_moved(masked):
     assert controller.k == before[0] and np.array_equal(controller.theta, before[1])
 
 
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("signal", ["y", "z", "r"])
+def test_a_masked_sample_of_one_signal_is_a_missed_one(signal):
+    """The two others are plain numbers, which the kernel reads by itself."""
+    settings = rn.ControllerSettings(
+        structure=rn.feedforward(1), target=rn.TargetModel([0, 1.0]), update=rn.UD(1.0), k_w=2
+    )
+    ends = []
+    for gap in (np.nan, np.ma.masked_array([5.0], mask=[True]), 5.0):
+        controller = rn.Controller(settings)
+        for k, value in enumerate(Y):
+            samples = {"y": value, "z": value, "r": 1.0}
+            controller.step(**samples | ({signal: gap} if k in (5, 8) else {}))
+        ends.append(controller.state.values.tobytes())
+    assert ends[0] == ends[1] != ends[2]
+
+
 def test_unmasked_arrays_step_as_plain_ones():
     plain, other = rn.Controller(SETTINGS), rn.Controller(SETTINGS)
     for y in Y:

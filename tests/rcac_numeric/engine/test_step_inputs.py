@@ -54,6 +54,19 @@ def test_what_is_no_measurement_is_refused_and_nothing_moves(y):
     assert controller.state == untouched.state
 
 
+@pytest.mark.parametrize(
+    "y",
+    [[True, False], np.array([True, False]), np.ma.array([True, False]), np.array([1j, 0]),
+     np.ma.array([1j, 0]), np.ma.array(["1", "2"]), np.array([np.nan, np.nan, 1.0])],
+    ids=repr,
+)  # fmt: skip
+def test_supervision_takes_only_numbers_and_gaps(y):
+    controller, untouched = (Controller(SETTINGS, Supervision()) for _ in range(2))
+    with pytest.raises(InputError, match=r"^y "):
+        controller.step(y, 1.0)
+    assert controller.state == untouched.state
+
+
 @given(st.integers(-(2**63), 2**63 - 1))
 def test_integers_are_read_as_float64_would_be(value):
     a, b = Controller(SETTINGS), Controller(SETTINGS)

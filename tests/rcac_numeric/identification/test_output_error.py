@@ -53,6 +53,53 @@ def test_white_noise_is_left_as_it_was():
     assert abs(np.var(identified.residual) / noise**2 - 1) < 5 * np.sqrt(2 / 4000)
 
 
+def test_what_is_explained_is_the_rest_of_the_variance():
+    u, y = record([1, -0.9], [0.2], 1, 2, 400, 0.5)
+    identified = identify_output_error(u, y, orders=[1], delays=[0, 1])
+    e = identified.residual
+    # Rows before the longest order and delay need u before the record.
+    assert len(e) == 400 - 2
+    assert identified.explained == pytest.approx(1 - np.mean(e**2) / np.var(y[2:]), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_pole_at_1_is_imposed_where_only_the_noise_speaks_for_free_poles(seed):
+    """The noise 0.1/(1 - 0.9 q^-1) is coloured: without a model of it free poles seem better."""
+    u, y = record(np.poly([1.0, 0.5]), [0.2, 0.1], 0, seed, 500, 0.1, [-0.9])
+    tried = {"orders": [1, 2], "delays": [0, 1], "integrators": (0, 1)}
+    identified = identify_output_error(u + 0.3, y + 7, **tried)
+    A = identified.denominator
+    assert (identified.integrators, identified.order, identified.delay) == (1, 2, 0)
+    assert np.abs(A - np.poly([1.0, 0.5])).max() < 0.1 and abs(A.sum()) < 1e-12
+    assert identified.numerator == pytest.approx([0.2, 0.1], abs=0.03)
+    _, y = record(np.poly([0.9, 0.5]), [0.2, 0.1], 0, seed, 500, 0.1, [-0.9])
+    assert identify_output_error(u, y, **tried).integrators == 0
+
+
+@pytest.mark.parametrize(("pole", "seed"), [(0.997, 2), (0.997, 5), (0.998, 4), (0.998, 3)])
+def test_of_white_noise_the_bic_decides_on_a_pole_at_1(pole, seed):
+    """N log(mean e^2) + (2 n - integrators) log N, where one parameter more is worth log N."""
+    u, y = record([1, -pole], [0.3], 0, seed, 500, 2.0)
+    models = [
+        identify_output_error(u, y, orders=[1], delays=[0], integrators=tried)
+        for tried in ((0,), (1,), (0, 1))
+    ]
+    free, imposed = (len(e) * np.log(np.mean(e**2)) for e in (m.errors(u, y) for m in models[:2]))
+    gap = imposed - free - np.log(499)
+    assert abs(gap) > 4  # what the model of the noise, a fit to white noise, may add
+    assert models[2].integrators == (gap < 0)
+
+
+def test_a_slope_of_y_is_fitted_where_a_pole_at_1_is_tried():
+    u, y = record([1, -0.5], [1.0], 0, 3, 300, 0.1)
+    y += np.linspace(-30, 30, 300)
+    tried = {"orders": [1], "delays": [0]}
+    fitted = identify_output_error(u, y, **tried, integrators=(0, 1))
+    assert fitted.integrators == 0 and fitted.denominator[1] == pytest.approx(-0.5, abs=0.02)
+    assert np.std(fitted.residual) < 0.11
+    assert np.std(identify_output_error(u, y, **tried).residual) > 0.5
+
+
 @pytest.mark.costly
 def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
     """100 records of y(k) = 0.8 y(k-1) + u(k-1), in white noise of the output."""
