@@ -5,10 +5,18 @@ Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive
 Import GRing.Theory.
 Local Open Scope ring_scope.
 
-(* Decides an equation between matrices of at most two rows and columns, entry by entry. *)
+(* Decides an equation between matrices of at most two rows and columns, entry by entry. Sums of one
+   and of two terms are written out in one step each: terms of many small steps take long to check. *)
 Ltac entry_by_entry :=
+  let one := fresh "one" in let two := fresh "two" in
+  assert (one : forall (V : zmodType) (F : 'I_1 -> V), \sum_(i < 1) F i = F ord0 + 0)
+    by (move=> ? ?; rewrite big_ord_recl big_ord0 //);
+  assert (two : forall (V : zmodType) (F : 'I_2 -> V),
+      \sum_(i < 2) F i = F ord0 + (F (lift ord0 ord0) + 0))
+    by (move=> ? ?; rewrite !big_ord_recl big_ord0 //);
   apply/matrixP; case=> [[|[|//]] ?]; case=> [[|[|//]] ?] //;
-  rewrite !(mxE, big_ord_recl, big_ord0) /=.
+  repeat first [rewrite !mxE | rewrite !(two, one) | rewrite !(big_ord_recl, big_ord0)];
+  clear one two; rewrite /=.
 
 Section Entries.
 Variable R : comRingType.

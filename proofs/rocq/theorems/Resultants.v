@@ -50,7 +50,7 @@ have rank_G : \rank G = (l + k - d)%N.
   rewrite mul_multiples => /(congr1 rVpoly); rewrite linear0 poly_rV_K.
     move/eqP; rewrite mulf_eq0 (negPf nz_g) orbF => /eqP /(congr1 (@poly_rV _ (l + k - d))).
     by rewrite rVpolyK linear0.
-  by apply: (size_product (size_poly _ _) (eq_leq size_g)); move: d_k; lia.
+  by apply: (size_product (size_poly _ _) (eq_leq size_g)); move: d_k; clear; lia.
 (* every multiple t g is x a + y b, with y reduced modulo a / g *)
 have spanned : (G <= bands k l a b)%MS.
   apply/row_subP=> i; rewrite rowE mul_multiples; set t := rVpoly _.
@@ -67,8 +67,8 @@ have spanned : (G <= bands k l a b)%MS.
     have : (size (x * a)%R <= l + k)%N.
       rewrite (_ : x * a = t * g - y * b); last by rewrite Et addrK.
       rewrite (leq_trans (size_add _ _)) // geq_max size_opp; apply/andP; split.
-        by apply: (size_product size_t (eq_leq size_g)); move: d_k; lia.
-      by apply: (size_product size_yk deg_b); lia.
+        by apply: (size_product size_t (eq_leq size_g)); move: d_k; clear; lia.
+      by apply: (size_product size_yk deg_b); clear; lia.
     by rewrite size_mul // deg_a; move: (size x); clear; lia.
   have -> : poly_rV (t * g) = row_mx (poly_rV x) (poly_rV y) *m bands k l a b.
     by rewrite mul_row_col !mul_multiples !poly_rV_K // -linearD Et.
@@ -79,7 +79,7 @@ have spans : (bands k l a b <= G)%MS.
     have size_t : (size t <= l)%N by apply: size_poly.
     have -> : poly_rV (t * a) = poly_rV (t * a') *m G.
       rewrite mul_multiples poly_rV_K -?mulrA -?Ea //.
-      by apply: (size_product size_t (eq_leq size_a')); move: d_k; lia.
+      by apply: (size_product size_t (eq_leq size_a')); move: d_k; clear; lia.
     exact: submxMl.
   have size_t : (size t <= k)%N by apply: size_poly.
   have [b0|nz_b] := eqVneq b 0; first by rewrite b0 mulr0 linear0 sub0mx.
@@ -87,7 +87,7 @@ have spans : (bands k l a b <= G)%MS.
   have size_b' : (size b' <= l.+1 - d)%N by rewrite size_divp // leq_sub2r.
   have -> : poly_rV (t * b) = poly_rV (t * b') *m G.
     rewrite mul_multiples poly_rV_K -?mulrA -?Eb //.
-    by apply: (size_product size_t size_b'); move: d_k d_l; lia.
+    by apply: (size_product size_t size_b'); move: d_k d_l; clear; lia.
   exact: submxMl.
 by rewrite -rank_G; apply/eqP; rewrite eqn_leq !mxrankS.
 Qed.
@@ -143,9 +143,9 @@ move=> deg_a deg_b; have rank_M : \rank (M_1 k l a b) = (l + k - common_roots a 
   by rewrite mxrankMfree ?row_free_unit ?unitmx_perm // mxrank_tr rank_bands.
 have nz_a : a != 0 by rewrite -size_poly_gt0 deg_a.
 have at_most_k : (common_roots a b <= k)%N.
-  by have := dvdp_leq nz_a (dvdp_gcdl a b); rewrite deg_a; move: (size _); lia.
+  by have := dvdp_leq nz_a (dvdp_gcdl a b); rewrite deg_a; move: (size _); clear; lia.
 have nz_gcd : (0 < size (gcdp a b))%N by rewrite size_poly_gt0 gcdp_eq0 negb_and nz_a.
-split; first by rewrite rank_M; move: (common_roots a b) at_most_k; lia.
+split; first by rewrite rank_M; move: (common_roots a b) at_most_k; clear; lia.
 rewrite -row_free_unit /row_free rank_M coprimep_def.
 by split=> /eqP size_1; apply/eqP; move: (size _) size_1 nz_gcd at_most_k; clear; lia.
 Qed.
