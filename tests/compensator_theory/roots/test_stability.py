@@ -165,8 +165,11 @@ def test_symbols():
 
 
 @pytest.mark.parametrize("scale", [2, sympy.Rational(-1, 3), sympy.Symbol("k", negative=True)])
-@pytest.mark.parametrize("text", ["x - a", "x**2 + a*x + 1/2", "x**2 + b*x + 2", "x**2 + b",
-                                  "x**3 + (b + 1)*x**2 + b*x + b/2", "2*x + b/(b + 1)"])  # fmt: skip
+@pytest.mark.parametrize(
+    "text",
+    ["x - a", "x**2 + a*x + 1/2", "x**2 + b*x + 2", "x**2 + b", "2*x + b/(b + 1)",
+     "x**3 + (b + 1)*x**2 + b*x + b/2"],
+)  # fmt: skip
 @pytest.mark.parametrize("time", ["continuous", "discrete"])
 def test_a_factor_without_roots_changes_no_decision_with_symbols(time, text, scale):
     x = sympy.Symbol("x")
@@ -273,6 +276,15 @@ def test_schur_with_irrational_numbers_and_with_symbols():
     assert (
         decide_stability("a*q**2 + q + 2*a", time="discrete").is_stable is None
     )  # it is q where a = 0
+
+
+@pytest.mark.parametrize("first", ["exp(-1/10)", "exp(1/10)", "-exp(-2)"])
+@pytest.mark.parametrize("second", ["1/2", "-exp(-1/3)", "-2*exp(-1/2)"])
+def test_exponentials_are_decided_as_their_roots_are(first, second):
+    roots = [complex(sympy.sympify(root)) for root in (first, second)]
+    in_s, in_z = (f"({x} - ({first}))*({x} - ({second}))" for x in "sz")
+    assert decide_stability(in_s).is_stable is all(root.real < 0 for root in roots)
+    assert decide_stability(in_z).is_stable is all(abs(root) < 1 for root in roots)
 
 
 def test_a_large_degree_is_decided_soon():
