@@ -11,21 +11,37 @@ an end. What survives is a missing test, or a change that changes nothing.
 
 from __future__ import annotations
 
+import argparse
 import ast
+import ctypes
+import gc
+import math
 import os
+import pickle
 import random
+import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from hashlib import sha256
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
+
+import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 # What is printed, drawn, written or read there is held by the tests of other names.
 NOT_CORE = {"cli", "dissertation", "experiments", "export", "plots", "reports", "strategies"}
-LONGEST = 300  # seconds
+LONGEST = 300  # seconds that a mutant's tests may take, waiting included
+PR_SET_PDEATHSIG = 1
+OPTIONS = ["-q", "-p", "no:cacheprovider", "-p", "no:faulthandler", "-n", "0",
+           "--randomly-seed=0", "--randomly-dont-reorganize", "--hypothesis-seed=0"]  # fmt: skip
 
 SWAPPED = {
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
@@ -33,6 +49,227 @@ SWAPPED = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,
     ast.FloorDiv: ast.Mult, ast.And: ast.Or, ast.Or: ast.And, ast.USub: ast.UAdd,
 }  # fmt: skip
+
+
+class Worded:
+    """A mutant that is named by its words: what is changed, into what, and in which line."""
+
+    words: str
+
+    @property
+    def position(self) -> float:
+        """Return a number in [0, 1) from the words, which another change of the file keeps."""
+        return int(sha256(self.words.encode()).hexdigest()[:8], 16) / 2**32
+
+
+AnyWorded = TypeVar("AnyWorded", bound=Worded)
+
+
+def numbered(mutants: Iterable[AnyWorded]) -> list[AnyWorded]:
+    """Return the mutants, the second and later ones of the same words with their number."""
+    times: Counter[str] = Counter()
+    named = list(mutants)
+    for mutant in named:
+        times[mutant.words] += 1
+        if (time := times[mutant.words]) > 1:
+            mutant.words += f" ({time})"
+    return named
+
+
+class Verdicts:
+    """The mutants of one entry of a list (central_verbs.toml, kernel_updates.toml) while judged.
+
+    The entry says its `share`, of the mutants by position, and those that live: `alive`, each with
+    its reason.
+    """
+
+    def __init__(self, name: str, entry: dict[str, Any]) -> None:
+        self.name, self.entry = name, entry
+        self.reasons = {one["mutant"]: one["reason"] for one in entry.get("alive", ())}
+        self.judged = self.killed = self.unlisted = 0
+
+    def chosen(
+        self,
+        mutants: Iterable[AnyWorded],
+        share: float | None,
+        lot: tuple[random.Random, int] | None,
+    ) -> list[AnyWorded]:
+        """Return those of the share, by position; of a lot so many that are not listed as alive."""
+        most = self.entry.get("share", 1) if share is None else share
+        ordered = sorted(mutants, key=lambda m: m.position)
+        within = [m for m in ordered if m.position < most]
+        if lot is None:
+            return within
+        draw, count = lot
+        within = [m for m in within if m.words not in self.reasons]
+        return draw.sample(within, min(count, len(within)))
+
+    def add(self, mutant: Worded, lives: bool, how: str) -> None:
+        """Count a judged mutant, and say what became of it."""
+        self.judged, self.killed = self.judged + 1, self.killed + (not lives)
+        self.unlisted += lives and mutant.words not in self.reasons
+        if not lives and mutant.words in self.reasons:
+            say(f"  listed as alive: {mutant.words}")
+        say(f"  {'LIVES ' if lives else 'killed'} {mutant.words}  [{how}]")
+
+    def end(self, how: str) -> int:
+        """Say the counts; return how many live without a reason."""
+        counts = f"{self.killed} of {self.judged} killed, {self.unlisted} alive without a reason"
+        say(f"{self.name}: {counts}  [{how}]")
+        return self.unlisted
+
+
+class Placed(Protocol):
+    """A mutant for `Judge`: the keys of its place in what the tracer says, and how it is put."""
+
+    words: str
+
+    @property
+    def keys(self) -> set[Any]:
+        """Keys of the tracer's result; a test that reaches one of them meets the mutant."""
+
+    def put(self) -> None:
+        """Put it in its place, in this process."""
+
+
+class Tracer(Protocol):
+    """What notes which places a test reaches."""
+
+    def start(self) -> None:
+        """Begin to trace."""
+
+    def switch_context(self, test: str) -> None:
+        """Say which test runs from now on."""
+
+    def result(self) -> dict[Any, set[str]]:
+        """End; return which tests reach which keys."""
+
+
+class Judge:
+    """The plugin of pytest that runs tests, first traced, then with each mutant in their place."""
+
+    def __init__(
+        self, verdicts: Verdicts, mutants: Sequence[Placed], tracer: Tracer, end: float = math.inf
+    ) -> None:
+        self.verdicts, self.mutants, self.tracer, self.end = verdicts, mutants, tracer, end
+        self.failed = False
+
+    def pytest_sessionstart(self) -> None:
+        """A failure is enough: no example is made smaller."""
+        import hypothesis  # not before pytest, which rewrites it
+
+        ci = hypothesis.settings.get_profile("ci")
+        phases = [hypothesis.Phase.explicit, hypothesis.Phase.generate]
+        hypothesis.settings.register_profile("mutants", ci, phases=phases)
+        hypothesis.settings.load_profile("mutants")
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        """Note a failure."""
+        self.failed |= report.failed
+
+    def pytest_runtestloop(self, session: Any) -> bool:
+        """Run the tests once, then those that reach a mutant on each mutant."""
+        items = {item.nodeid: item for item in session.items}
+        reach, took = self._traced(session)
+        for mutant in self.mutants:
+            if time.monotonic() > self.end:
+                break
+            near = {test for key in mutant.keys for test in reach.get(key, ())} & set(took)
+            ordered = [items[t] for t in sorted(near, key=lambda t: (took[t], t))]
+            begun, limit = time.monotonic(), 10 + 5 * sum(took[t] for t in near)
+            lives = self._forked(partial(self._survives, mutant, ordered), processor=limit)
+            how = f"{len(near)} tests, {time.monotonic() - begun:.0f} s"
+            self.verdicts.add(mutant, lives, how)
+        how = f"{len(took)} tests, {sum(took.values()):.0f} s"
+        session.testsfailed = self.verdicts.end(how)
+        return True
+
+    def _traced(self, session: Any) -> tuple[dict[Any, set[str]], dict[str, float]]:
+        """Which passing tests reach which places, and how long each took; in a fork."""
+
+        def run() -> Any:
+            took: dict[str, float] = {}
+            self.tracer.start()
+            for item in session.items:
+                self.tracer.switch_context(item.nodeid)
+                self.failed, begun = False, time.process_time()
+                item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+                if not self.failed:
+                    took[item.nodeid] = time.process_time() - begun
+                else:
+                    print("fails unchanged:", item.nodeid, file=sys.__stderr__)
+            return self.tracer.result(), took
+
+        traced: tuple[dict[Any, set[str]], dict[str, float]] | None = self._forked(run, 3600)
+        return traced or sys.exit("the tests did not come to an end unchanged")
+
+    def _survives(self, mutant: Placed, items: list[Any]) -> bool:
+        mutant.put()
+        for one in gc.get_objects():
+            if hasattr(type(one), "cache_clear"):
+                one.cache_clear()
+        for item in items:
+            self.failed = False
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+            if self.failed:
+                return False
+        return True
+
+    def _forked(
+        self, work: Callable[[], Any], seconds: int = LONGEST, processor: float = 3600
+    ) -> Any:
+        """What the work returns in a process of its own; False if it does not come to an end."""
+        read, write = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.setpgid(0, 0)
+            if sys.platform == "linux":  # what is interrupted leaves no process behind
+                ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+            signal.alarm(seconds)
+            signal.setitimer(signal.ITIMER_PROF, processor)
+            status = 1
+            try:
+                with os.fdopen(write, "wb") as pipe:
+                    pipe.write(pickle.dumps(work()))
+                status = 0
+            except BaseException:
+                say(traceback.format_exc())
+            finally:
+                os._exit(status)
+        os.close(write)
+        with os.fdopen(read, "rb") as pipe:
+            answer = pipe.read()
+        os.waitpid(child, 0)
+        return pickle.loads(answer) if answer else False
+
+
+def say(text: str) -> None:
+    """Print past what pytest captures."""
+    os.write(SHOWN, f"{text}\n".encode())
+
+
+SHOWN = os.dup(1)
+
+
+def judged(judge: Judge, tests: list[str]) -> int:
+    """Run the tests with the plugin in a process of its own; 1 if one lives without a reason."""
+    child = os.fork()
+    if child == 0:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        os._exit(int(pytest.main([*OPTIONS, *tests], plugins=[judge])))
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if status not in (0, 1):
+        say(f"{judge.verdicts.name}: its tests cannot be run (exit status {status})")
+    return int(status != 0)
+
+
+def options_of(description: str, name: str) -> argparse.Namespace:
+    """Read the command line of a tester with a list: names of entries, --share, --lot."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("names", nargs="*", metavar=name)
+    parser.add_argument("--share", type=float, help=f"the share of the mutants of each {name}")
+    parser.add_argument("--lot", type=int, metavar="SEED", help="draw a few")
+    return parser.parse_args()
 
 
 def places(node: ast.AST) -> Iterator[ast.AST]:

@@ -1,4 +1,4 @@
-"""What benchmarks/central_verbs.toml lists exists: verbs, functions, tests, living mutants."""
+"""What the lists of mutants name exists: verbs and headers, functions, tests, living mutants."""
 
 import sys
 import tomllib
@@ -8,17 +8,33 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-VERBS = tomllib.loads((ROOT / "benchmarks/central_verbs.toml").read_text())
+VERBS, HEADERS = (
+    tomllib.loads((ROOT / f"benchmarks/{name}.toml").read_text())
+    for name in ("central_verbs", "kernel_updates")
+)
+
+
+def imported(name):
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        return import_module(name)
+    finally:
+        sys.path.pop(0)
 
 
 @pytest.fixture(scope="module")
 def tester():
     pytest.importorskip("coverage")
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        return import_module("verb_mutants")
-    finally:
-        sys.path.pop(0)
+    return imported("verb_mutants")
+
+
+def check_entry(entry):
+    """The fields that lists of mutants share."""
+    assert entry["tests"] and all((ROOT / "tests" / file).is_file() for file in entry["tests"])
+    assert 0 <= entry.get("share", 1) <= 1
+    words = [one["mutant"] for one in entry.get("alive", ())]
+    assert len(set(words)) == len(words)
+    assert all(set(one) == {"mutant", "reason"} and one["reason"] for one in entry.get("alive", ()))
 
 
 def test_there_are_forty_of_the_three_packages():
@@ -36,11 +52,18 @@ def test_an_entry_resolves(verb):
     assert set(entry) <= {"function", "bodies", "tests", "share", "alive"}
     package, _, name = entry["function"].partition(":")
     assert callable(getattr(import_module(package), name))
-    assert entry["tests"] and all((ROOT / "tests" / file).is_file() for file in entry["tests"])
-    assert 0 <= entry.get("share", 1) <= 1
-    words = [one["mutant"] for one in entry.get("alive", ())]
-    assert len(set(words)) == len(words)
-    assert all(set(one) == {"mutant", "reason"} and one["reason"] for one in entry.get("alive", ()))
+    check_entry(entry)
+
+
+def test_the_headers_are_those_of_the_updates_and_their_living_mutants_exist():
+    tester = imported("kernel_mutants")
+    assert set(HEADERS) == {file.stem for file in (ROOT / "kernel/updates").glob("*.hpp")}
+    for name, entry in HEADERS.items():
+        assert set(entry) <= {"tests", "share", "alive"}
+        check_entry(entry)
+        words = [mutant.words for mutant in tester.mutants_of_header(name)]
+        assert len(set(words)) == len(words)
+        assert {one["mutant"] for one in entry.get("alive", ())} <= set(words)
 
 
 @pytest.mark.costly

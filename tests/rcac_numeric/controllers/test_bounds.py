@@ -46,7 +46,13 @@ def recursion(theta, P, phi_f, target):
     return theta - gain * (phi_f @ theta + target), P - np.outer(gain, phi_f @ P)
 
 
-@pytest.mark.parametrize("update", [rn.UD(0.05), rn.Covariance(0.05)], ids=["ud", "covariance"])
+R_THETA = np.array([[0.1, 0.03, 0, 0], [0.03, 0.1, 0, 0.02], [0, 0, 0.2, 0], [0, 0.02, 0, 0.05]])
+
+
+@pytest.mark.parametrize(
+    "update",
+    [rn.UD(0.05), rn.Covariance(0.05), rn.Covariance(R_THETA), rn.Instantaneous(R_THETA)], ids=repr,
+)  # fmt: skip
 @pytest.mark.parametrize("method", ["metric", "clip"])
 def test_every_update_ends_in_the_nearest_point(method, update):
     low, high = np.array([-0.1, -0.05, -np.inf, 0.0]), np.array([0.2, 0.3, 0.02, np.inf])
@@ -63,6 +69,8 @@ def test_every_update_ends_in_the_nearest_point(method, update):
         past = lambda s, i, k=k: s[k - i] if k >= i else 0.0  # noqa: E731
         phi_f = np.array([past(s, i) for s in (u, y) for i in (2, 3)])
         free, P = recursion(theta, P, phi_f, z[k] - past(u, 1))
+        if isinstance(update, rn.Instantaneous):
+            P = np.linalg.inv(R_THETA)
         expected = np.clip(free, low, high) if method == "clip" else nearest(free, P, low, high)
         assert np.allclose(controller.theta, expected, rtol=1e-7, atol=1e-9), k
         outside = (free < low) | (free > high)

@@ -33,6 +33,45 @@ def follows(data, seed, l_u, l_y, l_z, kinds=PLAIN, l_r=0, saturation=None, **fi
     return tame(run), assert_follows(run, [(settings, regressor)])["books"][0]
 
 
+@pytest.mark.parametrize("l_z", [1, 2, 3])
+@pytest.mark.parametrize(
+    "update",
+    [rn.UD(1.0), rn.Covariance(1.0), rn.SlidingWindow(1.0, window=4), rn.Instantaneous(1.0),
+     rn.Gradient(0.01)], ids=repr,
+)  # fmt: skip
+def test_definite_weights_let_every_step_be_made(update, l_z):
+    """A run that ends early agrees with a book that ends early: here none may end."""
+    rng = np.random.default_rng(l_z)
+    target = rn.TargetModel(rng.standard_normal((3, l_z, 1)) * [[[0.0]], [[1.0]], [[1.0]]])
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2),
+        target=target,
+        update=update,
+        R_z=np.eye(l_z) + 0.4,
+        R_u=rn.SignalWeight(0.1),
+    )
+    controller = rn.Controller(settings, rn.Supervision("off"))
+    for k in range(12):
+        before = controller.theta
+        controller.step(rng.standard_normal(1), rng.standard_normal(l_z))
+        assert k < 4 or not np.array_equal(controller.theta, before)
+
+
+def test_updates_without_a_recursion_of_P_keep_their_metric():
+    R_theta = np.array([[2.0, 0.5, 0, 0], [0.5, 1, 0, 0.1], [0, 0, 3, 0], [0, 0.1, 0, 1]])
+    for update, P in (
+        (rn.Gradient(0.25), 0.25 * np.eye(4)),
+        (rn.Instantaneous(R_theta), np.linalg.inv(R_theta)),
+    ):
+        settings = rn.ControllerSettings(
+            structure=rn.iir(2), target=rn.TargetModel([0, 1.0]), update=update
+        )
+        controller = rn.Controller(settings)
+        for k in range(8):
+            assert np.allclose(controller.P, P, rtol=1e-12, atol=1e-15)
+            controller.step(np.sin(k), np.cos(k))
+
+
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, st.sampled_from([1.0, 0.98, 0.8]), seeds)
 def test_the_recursions_minimise_2_41(data, l_u, l_y, l_z, update, lambda_, seed):
     follows(data, seed, l_u, l_y, l_z, update=partial(update, lambda_=lambda_))
