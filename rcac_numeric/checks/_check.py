@@ -510,8 +510,6 @@ def arguments_of_run(run: Run, source: str = "run") -> RunArguments:
     if not run.steps:
         raise InputError("the run has no step that could be checked.")
     is_stepwise = isinstance(run.settings, StepwiseController)
-    if is_stepwise:
-        run.settings.compensator_of(run.theta_final)  # says why there is none
     known: RunArguments = {}
     last = run.first_step + run.steps - 1
     if not isinstance(run.plant, FunctionPlant):
