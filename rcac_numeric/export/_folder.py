@@ -285,14 +285,13 @@ def _in_float32(tables: CoreTables, source: Recording, run: Run | None) -> tuple
         names, signals = ("u", "u"), (recording.u, source.u[: recording.steps])
         reached = signals
     rms, rms_64 = (float(np.sqrt(np.mean(np.square(s, dtype=np.float64)))) for s in signals)
-    ratio = rms / rms_64 if rms_64 > 0 else float(rms == 0)
     sentence = (
         f"rms {names[0]} {rms:.4g}, in float64 {rms_64:.4g}; {names[1]} differs by "
         f"{float(np.abs(reached[0] - reached[1]).max()):.2g} where its largest entry is "
         f"{float(np.abs(reached[1]).max()):.2g}"
     )
     largest = max(float(np.abs(s).max(initial=0.0)) for s in (source.y, source.u))
-    if ratio > WORST_RATIO and rms - rms_64 > 1e-6 * largest:
+    if rms > WORST_RATIO * rms_64 and rms - rms_64 > 1e-6 * largest:
         raise InputError(
             f"in float32 the loop differs from that in float64 over {source.steps} steps: "
             f"{sentence}. Use float64, or a larger R_theta."

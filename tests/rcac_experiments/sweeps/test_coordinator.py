@@ -251,6 +251,26 @@ def test_a_broken_executor_of_the_user_ends_the_study_with_the_run_that_broke_it
     assert list(coordinator.folder.records) == [2]
 
 
+def test_an_executor_that_takes_nothing_more_after_a_loss_names_the_run(begin, monkeypatch):
+    """As dask does whose nannies gave up: the loss came before, and is that of a suspect."""
+
+    class Nannies(Scripted):
+        def submit(self, fn, /, *args, **kwargs):
+            if self.submitted:
+                raise RuntimeError("no workers")
+            return super().submit(fn, *args, **kwargs)
+
+    coordinator = begin(Nannies(losing(3, RuntimeError("KilledWorker"))), window=1)
+    local = Scripted(losing(3, WorkerLost(WORKER_DIED, "it was killed")))
+    begin.executors.append(local)
+    ours = Pool(local, 0)
+    ours.is_ours = True
+    monkeypatch.setattr(coordinators, "Pool", lambda executor, workers: ours)
+    with pytest.raises(StoreError, match=r"Run 3 \(a = 1\) ends every worker"):
+        coordinator.run([1, 2])
+    assert list(coordinator.folder.records) == [1]
+
+
 # Runs that failed.
 
 

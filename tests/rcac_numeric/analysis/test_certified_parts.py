@@ -23,7 +23,7 @@ def loop_of(plant=PLANT, theta_0=(0.2, -0.3), gains=input_gains((1.0, 1.0), 1.0)
 def test_the_prior_is_the_inverse_of_R_theta():
     scalar = parts._prior(first_order(update=UD(R_theta=4.0)))
     np.testing.assert_array_equal(scalar, np.eye(2) / 4)
-    sizes = np.array([1e-6, 1e6])
+    sizes = np.array([1e-90, 1e90])  # whose products leave float64 unless they are scaled
     R_theta = np.array([[2.0, 0.5], [0.5, 1.0]]) * np.outer(sizes, sizes)
     P_0 = parts._prior(first_order(update=UD(R_theta=R_theta)))
     expected = np.array([[1.0, -0.5], [-0.5, 2.0]]) / 1.75 / np.outer(sizes, sizes)
@@ -136,6 +136,12 @@ def test_caps_bound_the_set_where_the_norm_does_not():
     K, _, radius = beside(K_0, caps)
     longest = np.sqrt((K @ K.T).diagonal().max())
     assert radius > 1 and longest == pytest.approx(caps[0] / parts.CAPPED, rel=1e-3)
+
+
+def test_each_gain_that_moves_has_a_multiplier():
+    region = certified_set(PLANT, first_order(), input_gain=(0.9, 1.1))
+    assert region.is_verified and region.input_gain == (0.9, 1.1)
+    assert [one.multipliers.size for one in region.members] == [1]
 
 
 def test_gains_beyond_what_is_proved_are_refused():
