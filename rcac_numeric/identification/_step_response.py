@@ -349,7 +349,7 @@ def _require_range(y: Array) -> None:
         is_there = np.concatenate([[False], y == extreme, [False]])
         begins = np.nonzero(is_there[1:] & ~is_there[:-1])[0]
         ends = np.nonzero(is_there[:-1] & ~is_there[1:])[0]
-        run = int((ends - begins).argmax()) if len(begins) else 0
+        run = int((ends - begins).argmax())
         length = int(ends[run] - begins[run])
         first = int(begins[run])
         before = y[max(0, first - max(length // 10, 3)) : first]
