@@ -1,4 +1,4 @@
-"""The coordinator on an executor whose losses are a script: what is submitted, and what is stored."""
+"""The coordinator on an executor with scripted losses: submitted tasks and stored records."""
 
 from concurrent.futures import BrokenExecutor, Executor, Future
 from concurrent.futures._base import DoneAndNotDoneFutures
@@ -28,7 +28,7 @@ def completed(run, outcome="completed"):
 
 
 class Scripted(Executor):
-    """Keeps what it was given until `wait` works on the oldest; `ends` makes the records of a task."""
+    """Keeps tasks until `wait` works on the oldest; `ends` makes the records of a task."""
 
     def __init__(self, ends=lambda runs: [completed(run) for run in runs]):
         self.ends, self.pending = ends, {}
@@ -111,7 +111,9 @@ def begin(monkeypatch):
 
 
 def test_every_chunk_is_stored_once_within_the_window(begin):
-    executor = Scripted(lambda runs: [completed(r, "diverged" if r == 7 else "completed") for r in runs])
+    executor = Scripted(
+        lambda runs: [completed(r, "diverged" if r == 7 else "completed") for r in runs]
+    )
     done = []
     coordinator = begin(executor, window=3, progress=lambda now: done.append(now.done))
     coordinator.run([1, 2, 3, 4])

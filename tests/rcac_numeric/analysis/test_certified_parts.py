@@ -1,4 +1,4 @@
-"""The parts of a certified set: its metric, its corners, its size, and the gains that move beside it."""
+"""The parts of a certified set: metric, corners, size, and the gains that move beside it."""
 
 import numpy as np
 import pytest
@@ -106,7 +106,8 @@ def beside(K, caps, gains=(0.8, 1.25)):
     loops = {"nominal": loop_of(gains=gains), "slower": loop_of(first_lag(0.8), gains=gains)}
     K, multipliers = parts._beside_gains(loops, K, np.ones(1), 1.0, caps, None)
     radii = [
-        loop.radius(K, np.ones(1), 1.0, s) for loop, s in zip(loops.values(), multipliers, strict=True)
+        loop.radius(K, np.ones(1), 1.0, s)
+        for loop, s in zip(loops.values(), multipliers, strict=True)
     ]
     return K, multipliers, min(radii)
 

@@ -1,4 +1,4 @@
-"""What `check_controller` makes of its arguments: the signals of a run, what goes before, what is refused."""
+"""The arguments of `check_controller`: those of a run, precedence, replay, and refusals."""
 
 from dataclasses import replace
 
@@ -59,19 +59,21 @@ def test_a_run_brings_all_that_it_knows(adaptive):
 
 def test_another_plant_goes_before_that_of_the_run(adaptive):
     other = rn.standard_plant("1/(q - 0.6)")
-    check = rn.check_controller(adaptive, plant=other, target=(target := rn.TargetModel([0.0, 2.0])))
+    check = rn.check_controller(
+        adaptive, plant=other, target=(target := rn.TargetModel([0.0, 2.0]))
+    )
     assert check.plant is other and check.target is target
     assert check.run is None and check.settings is adaptive.settings
     assert check.plant_residual is not None and check.plant_residual.is_doubtful
 
 
 @pytest.mark.parametrize(
-    ("given", "is_fixed"), [({"structure": rn.iir(n_c=1)}, False), ({"compensator": GAIN}, True)]
+    ("options", "is_fixed"), [({"structure": rn.iir(n_c=1)}, False), ({"compensator": GAIN}, True)]
 )
-def test_another_controller_goes_before_that_of_the_run(adaptive, fixed, given, is_fixed):
-    check = rn.check_controller(adaptive, **given)
+def test_another_controller_goes_before_that_of_the_run(adaptive, fixed, options, is_fixed):
+    check = rn.check_controller(adaptive, **options)
     assert check.settings is None and check.is_fixed == is_fixed
-    assert check.structure == given.get("structure") and check.target is TARGET
+    assert check.structure == options.get("structure") and check.target is TARGET
     # The k_w of the settings is none of another controller: by default n_c, or the last tenth.
     assert check.replay.start == (STEPS - STEPS // 10 if is_fixed else 1)
     assert rn.check_controller(fixed).is_fixed and not rn.check_controller(adaptive).is_fixed
@@ -205,9 +207,7 @@ def test_why_there_is_no_convergence(adaptive):
 def test_the_disk_of_all_inputs_is_that_of_a_stable_loop(radius):
     plant = rn.Plant(A=radius * np.eye(2), B=np.eye(2), D_1=np.ones((2, 1)), C=np.eye(2))
     weak = rn.Compensator(np.zeros((1, 2, 2)), 0.1 * np.ones((2, 2, 2)))
-    check = rn.check_controller(
-        np.zeros((20, 2)), np.zeros((20, 2)), plant=plant, compensator=weak
-    )
+    check = rn.check_controller(np.zeros((20, 2)), np.zeros((20, 2)), plant=plant, compensator=weak)
     assert (check.disk is not None) == check.loop.is_stable == (radius < 1)
 
 
@@ -221,7 +221,10 @@ def test_the_target_and_the_plant_are_those_of_the_last_step(first_step):
     changes = {10: first, last: second, last + 1: third}
     later = rn.standard_plant("1/(q - 0.3)")
     for k, target, plant in ((last, second, later), (last + 1, first, PLANT)):
-        changes_of_plant = [rn.PlantChange(start=0, plant=PLANT), rn.PlantChange(start=k, plant=later)]
+        changes_of_plant = [
+            rn.PlantChange(start=0, plant=PLANT),
+            rn.PlantChange(start=k, plant=later),
+        ]
         schedule = rn.PlantSchedule(changes_of_plant)
         those = {at: one for at, one in changes.items() if at != last or k == last}
         run = replace(run_of(settings()), plant=schedule, first_step=first_step,
@@ -270,7 +273,9 @@ def test_a_run_of_functions_has_no_linear_plant():
 
 
 def test_a_run_without_steps_has_nothing_to_check(adaptive):
-    none = {name: getattr(adaptive, name)[:0] for name in ("u", "u_applied", "y", "z", "w", "theta")}
+    none = {
+        name: getattr(adaptive, name)[:0] for name in ("u", "u_applied", "y", "z", "w", "theta")
+    }
     with pytest.raises(InputError, match="no step"):
         arguments_of_run(replace(adaptive, **none))
 

@@ -5,13 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import InputError
 from rcac_numeric import (
     Compensator,
     FixedController,
     Recorded,
     Step,
-    Uncertainty,
     design,
     pid,
     simulate,
@@ -94,7 +93,8 @@ def test_better_is_significant_and_loses_no_more_than_it_wins(interval, wins, lo
 
 
 @pytest.mark.parametrize(
-    ("over", "is_worse"), [(None, False), (NONE, False), (np.nextafter(NONE, 2), True), (0.5, False)]
+    ("over", "is_worse"),
+    [(None, False), (NONE, False), (np.nextafter(NONE, 2), True), (0.5, False)],
 )
 def test_no_controller_is_better_above_three_digits(over, is_worse):
     verdict = Recommendation(FIXED, "why.", compared(), 1.5, over)
@@ -125,7 +125,10 @@ def test_over_none_is_the_larger_of_the_ratios_of_whole_run_and_tail():
             logs = []
             for i in range(3):
                 w = trials.expected.w(200, JUDGING + i)
-                e = [(r.z + w[:, 2:])[part] for r in (simulate(plant, one, w) for one in (GAIN, IDLE))]
+                e = [
+                    (r.z + w[:, 2:])[part]
+                    for r in (simulate(plant, one, w) for one in (GAIN, IDLE))
+                ]
                 logs.append(np.log(np.linalg.norm(e[0]) / np.linalg.norm(e[1])))
             ratios.append(np.exp(np.mean(logs)))
         assert abs(ratios[0] / ratios[1] - 1) > 1e-3

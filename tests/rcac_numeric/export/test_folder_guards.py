@@ -82,7 +82,9 @@ def test_a_run_brings_its_settings_limits_and_signals(tmp_path, uncompiled, monk
     run = run_of(saturation=limits)
     tables = []
     monkeypatch.setattr(
-        folder, "core_tables", lambda *some, **more: tables.append(more) or core_tables(*some, **more)
+        folder,
+        "core_tables",
+        lambda *some, **more: tables.append(more) or core_tables(*some, **more),
     )
     vectors = []
     for i, (source, options) in enumerate(
@@ -110,10 +112,14 @@ def in_float32(monkeypatch):
 
     def agreement(z, largest=1.0, z_64=1.0, settings=SETTINGS, steps=4):
         ones = np.ones((steps, 1))
-        source = Recording(largest * ones, z_64 * ones, 0 * ones, z_64 * ones, np.zeros(2), "a loop")
+        source = Recording(
+            largest * ones, z_64 * ones, 0 * ones, z_64 * ones, np.zeros(2), "a loop"
+        )
 
         def compiled(sources, program, *, includes):
-            assert all(one.is_file() for one in sources) and (includes[0] / "rcac_config.h").is_file()
+            assert (
+                all(one.is_file() for one in sources) and (includes[0] / "rcac_config.h").is_file()
+            )
             return program
 
         def recording(program, tables, run, steps):
@@ -155,9 +161,7 @@ def test_float32_may_leave_half_more_than_float64(in_float32, z, largest, z_64, 
 def test_a_fixed_controller_is_compared_by_its_u(in_float32):
     assert in_float32(1.25).endswith("theta differs by 0.5 where its largest entry is 0")
     sentence = in_float32(1.25, settings=FIXED)
-    assert sentence == (
-        "rms u 1.25, in float64 1; u differs by 0.25 where its largest entry is 1"
-    )
+    assert sentence == ("rms u 1.25, in float64 1; u differs by 0.25 where its largest entry is 1")
 
 
 def test_float32_goes_through_its_guards(tmp_path, uncompiled, monkeypatch):

@@ -48,7 +48,14 @@ def test_a_limit_is_named_with_its_rows():
 
 @pytest.mark.parametrize(
     ("length", "rows", "is_refused"),
-    [(5, 100, False), (6, 100, True), (4, 60, False), (5, 60, True), (10, 200, False), (11, 200, True)],
+    [
+        (5, 100, False),
+        (6, 100, True),
+        (4, 60, False),
+        (5, 60, True),
+        (10, 200, False),
+        (11, 200, True),
+    ],
 )
 def test_a_limit_lasts_for_a_twentieth_and_more_than_four_rows(length, rows, is_refused):
     assert bool(refusal(RISE, length, rows)) == is_refused
@@ -118,7 +125,7 @@ def test_the_change_has_three_levels_and_ends_within_half_the_range(before, is_r
 
 
 def test_the_first_row_of_a_record_counts():
-    """A record that begins at the other extreme, and a limit of 60 rows, whose six rows before do."""
+    """Of a limit of 60 rows the six rows before it decide, and the record has five."""
     assert refusal((0.9, 0.8, 0.7, 0.6), 60)
     assert not refusal((0.9, 0.8, 0.7, 0.6), 30)
 
@@ -138,8 +145,8 @@ def gates_of(monkeypatch):
         *, moves=FEW, bic=100.0, without_u=200.0, of_jumps=200.0, jumps=(), dead_time=5.0,
         deviation=KNOWN / 2, others=(), steps_of_record=100, gain=2.0,
     ):  # fmt: skip
-        asked = []
-        monkeypatch.setattr(steps, "bic_of_jumps", lambda record: asked.append(1) or of_jumps)
+        evaluations = []
+        monkeypatch.setattr(steps, "bic_of_jumps", lambda record: evaluations.append(1) or of_jumps)
         monkeypatch.setattr(steps, "bic_without_u", lambda record, fit: without_u)
         monkeypatch.setattr(steps, "gate_frequency", lambda fit: 0.25)
         monkeypatch.setattr(steps, "response_at", lambda fit, omega: 1j * np.ones(len(omega)))
@@ -156,7 +163,7 @@ def gates_of(monkeypatch):
             distinct=[SimpleNamespace(bic=one, response=response(value)) for one, value in others]
         )
         by_name = {gate.name: gate for gate in _gates(search, rivals, None)}
-        return by_name, len(asked)
+        return by_name, len(evaluations)
 
     return gates
 
@@ -237,7 +244,7 @@ def test_the_error_of_the_dead_time_in_steps(interval, period, error):
     assert StepResponse.delay_error(step, period) == error
 
 
-# The road from a record to its answer.
+# From a record to its answer.
 
 
 def test_a_record_goes_to_its_models_from_rest_with_two_noises(monkeypatch):
