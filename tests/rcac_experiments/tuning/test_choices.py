@@ -111,6 +111,7 @@ def test_the_order_of_a_structure_stays(script):
     knobs = [one.knobs for one in tuned.candidates if one.name not in (FIXED, RULE)]
     assert [one.spare for one in knobs] == [0, 0, 0]
     assert len({one.width for one in knobs}) == 3  # and nothing else
+    assert tuned.settings.structure == pid("PI")
 
 
 def test_in_a_certified_set_order_and_width_stay_and_the_prior_may_be_weaker(certified, script):

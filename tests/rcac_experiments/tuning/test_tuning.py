@@ -13,7 +13,7 @@ from rcac_experiments import load_experiment, tune
 from rcac_experiments.sweeps import read_table
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.tuning._tuning import LEARNING, RULE, Candidate, _judged, drawn
-from rcac_numeric import Uncertainty, design, pid
+from rcac_numeric import Uncertainty, design
 from rcac_numeric.arrays._values import equal, replaced
 from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._design import compared
@@ -106,19 +106,9 @@ def test_drawn_plants_are_inside_the_uncertainty(gain, late, more, time, noise, 
     assert plants == drawn(plant, within, 5, seed)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"design": "1/(q - 0.9)"}, "Design"),
-        ({"budget": 0}, "budget"),
-        ({"held_out": 0}, "held_out"),
-        ({"seeds": 0}, "seeds"),
-        ({"steps": 5}, "steps"),
-    ],
-)
-def test_bad_arguments_are_named(rule_design, arguments, words):
-    with pytest.raises(InputError, match=words):
-        tune(**({"design": rule_design} | arguments))
+def test_a_plant_is_no_design():
+    with pytest.raises(InputError, match="Design"):
+        tune(PLANT)
 
 
 class Stopped(Exception):
@@ -214,17 +204,6 @@ def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(rule_des
     )
     assert choice.chosen.name == RULE and equal(choice.settings, settings_by_name[RULE])
     assert choice.verdict.rcac.stable == (3, 3) and choice.beside_rule.losses == 0
-
-
-@pytest.mark.costly
-def test_tuning_leaves_the_order_of_a_structure():
-    lags = "1/((20*s + 1)*(3*s + 1))"
-    designed = design(
-        lags, sample_time=1.0, disturbance=0.5, structure=pid("PI"), seeds=1, steps=300
-    )
-    tuned = tune(designed, budget=4, held_out=1, seeds=1, steps=200)
-    assert all(one.parameters is None or one.parameters.spare == 0 for one in tuned.candidates)
-    assert tuned.settings.structure == pid("PI")
 
 
 @pytest.mark.costly
