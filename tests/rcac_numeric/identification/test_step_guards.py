@@ -154,10 +154,10 @@ def gates_of(monkeypatch):
         misfit = Gate("misfit", True, 0.0, KNOWN, "", "")
         monkeypatch.setattr(steps, "_misfit", lambda fit, bic, box_jenkins, edge: misfit)
         fit = SimpleNamespace(
-            bic=bic, jumps=jumps, theta=np.array([1.0, dead_time]), integrates=False, gain=gain
+            bic=bic, jumps=jumps, theta=np.array([1.0, 0.5, dead_time]), integrates=False, gain=gain
         )
         record = SimpleNamespace(moves=moves, steps=steps_of_record)
-        worse = SimpleNamespace(bic=1e9, jumps=(), theta=np.array([1.0, 0.0]))
+        worse = SimpleNamespace(bic=1e9, jumps=(), theta=np.array([1.0, 0.5, 0.0]))
         search = SimpleNamespace(record=record, fits=[fit, worse])
         rivals = SimpleNamespace(
             distinct=[SimpleNamespace(bic=one, response=response(value)) for one, value in others]
