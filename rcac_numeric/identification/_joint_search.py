@@ -147,17 +147,29 @@ class JointSearch:
         if self.fits and any(record.after_gaps):
             best = self.fits[0]
             lost = max(one.delay + len(one.B) for one in best.channels)
-            self.record = record.without_past(lost)
-            starts = [one.start for one in self.fits[: 2 * KEPT]]
-            self.fits = []
-            for start in starts:
-                self.fit(start)
-            self._rank()
+            self._fit_again(record.without_past(lost))
         self._noise()
         self._grow()
         self._noise()
-        self._reduce()
+        if self._reduce():
+            self._grow()  # fewer poles elsewhere: another pole may be credible
         self._cancelled()
+
+    def _fit_again(self, record: JointRecord) -> None:
+        """The best models fitted to a record of other steps: a BIC is of the steps it counts."""
+        starts = [one.start for one in self.fits[: 2 * KEPT]]
+        self.fits, self.record = [], record
+        for start in starts:
+            self.fit(start)
+        self._rank()
+
+    def fitted_to(self, record: JointRecord) -> JointFit:
+        """The best model fitted to a record of other steps; as it is where that fails."""
+        best = self.fits[0]
+        fit = joint_fit(record, best.start)
+        if fit is None:
+            return best
+        return self._priced(reweighted(record, fit) if best.heavy else fit)
 
     def _without_accidents(self, clipped: JointRecord, record: JointRecord) -> None:
         """Search on y without jumps and spikes, then fit to y from there by Student's likelihood.
@@ -168,9 +180,10 @@ class JointSearch:
         plain, target, self.fits, self.record = self.fits, self.record, [], clipped
         self._searched()
         best, searched = self.fits[:KEPT], self.record
-        if any(record.after_gaps):
-            target = replace(target, observed=target.observed & searched.observed)
         self.fits, self.record = plain, target
+        observed = target.observed & searched.observed
+        if np.count_nonzero(observed) < target.count:
+            self._fit_again(replace(target, observed=observed))
         for start in (one.start for one in best):
             starts, noise = [start], start.noise
             if not noise.differences:
@@ -359,18 +372,19 @@ class JointSearch:
             self._moved(self.fits[0])
             self._rank()
 
-    def _reduce(self) -> None:
-        """Fewer poles of each channel; all such models may be credible."""
-        for _ in range(3):
+    def _reduce(self) -> bool:
+        """Fewer poles of each channel, all of which may be credible; whether that pays."""
+        for count in range(3):
             if not self.fits:
-                return
+                return False
             best = self.fits[0]
             self._try(best, map(_shorter, best.channels))
             self._rank()
             if self.fits[0] is best:
-                break
+                return count > 0
             self._moved(self.fits[0])
             self._rank()
+        return True
 
     def _noise(self) -> None:
         """Noise of order 2, drifting or not, and a sinusoid, for the best."""
@@ -429,6 +443,19 @@ class JointSearch:
                 fit = reweighted(self.record, one)
                 if fit is not one:
                     self.fits.append(self._priced(fit))
+
+
+def bic_difference(first: JointSearch, second: JointSearch) -> float:
+    """The BIC of the best of one search less that of another, over the steps that both count.
+
+    After a gap of u the steps that depend on it are left out: how many, each search decides.
+    """
+    best = [first.fits[0], second.fits[0]]
+    observed = first.record.observed & second.record.observed
+    for i, search in enumerate((first, second)):
+        if np.count_nonzero(observed) < search.record.count:
+            best[i] = search.fitted_to(replace(search.record, observed=observed))
+    return best[0].bic - best[1].bic
 
 
 def _without_jumps(record: JointRecord) -> Array | None:

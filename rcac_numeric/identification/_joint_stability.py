@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import norm
 
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.identification._joint_records import JointRecord
+from rcac_numeric.identification._joint_records import JointRecord, inputs_of, joint_record
+from rcac_numeric.identification._process_evidence import Gate
+from rcac_numeric.identification._process_search import ODDS
 
 ORDERS = (4, 8, 12, 16)
 OUTSIDE = 1.001  # least modulus of an unstable root
@@ -39,12 +41,50 @@ def largest_root(record: JointRecord) -> tuple[float, float]:
 
     Infinite where no regression is possible.
     """
-    regressions = [_regression(record, order, bool(record.observed.all())) for order in ORDERS]
-    known = [one for one in regressions if one is not None]
+    known = _regressions(record)
     if not known:
         return np.inf, np.inf
     p, deviation = max(min(known, key=lambda one: one.bic).roots, key=lambda root: abs(root[0]))
     return abs(p), deviation
+
+
+def open_loop_gate(u: Array, y: Array, delay: int, e: Array, parameters: int) -> Gate:
+    """Whether a stable or integrating model is one of the plant, of a record in open loop.
+
+    It is not where long regressions have a root outside the circle, both with u as logged and with
+    u later by the dead time of the model, unless the model is better by its errors `e`: the order
+    is that of least BIC, and the rise of a stable plant after a long dead time looks like growth.
+    """
+    record = joint_record(inputs_of(u[:, None], (0,)), y, "y")
+    late = replace(record, u=record.later(record.u, delay))
+    value, modulus, better = np.inf, 0.0, np.inf
+    bic = float(np.log(np.mean(np.square(e / record.unit_y)) + 1e-300))
+    bic += parameters * float(np.log(len(e))) / len(e)
+    with np.errstate(all="ignore"):
+        for one in (record, late):
+            regressions = _regressions(one)
+            if not regressions:
+                continue
+            least = min(regressions, key=lambda regression: regression.bic)
+            sizes = [((abs(p) - OUTSIDE) / deviation, abs(p)) for p, deviation in least.roots]
+            value, modulus = min((value, modulus), max(sizes))
+            better = min(better, len(e) * (least.bic - bic))
+    if not np.isfinite(value):
+        value = 0.0
+    return Gate(
+        "stability", bool(value < OPEN_LIMIT or better > ODDS), float(value), OPEN_LIMIT,
+        f"a long regression of y on its past and that of u has a root of modulus {modulus:.4g}, "
+        f"by {value:.3g} standard deviations outside the unit circle, and the BIC of this model, "
+        f"which is stable or integrating, is smaller by {better:.3g}; at most {OPEN_LIMIT:.3g} or "
+        f"at least {ODDS:.3g} is required",
+        "The plant seems unstable: stabilise it by any controller, move the command or add a "
+        "dither to u, and record that loop.",
+    )  # fmt: skip
+
+
+def _regressions(record: JointRecord) -> list[_Regression]:
+    regressions = [_regression(record, order, bool(record.observed.all())) for order in ORDERS]
+    return [one for one in regressions if one is not None]
 
 
 @dataclass(frozen=True)

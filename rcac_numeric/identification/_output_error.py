@@ -11,8 +11,9 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from compensator_theory._truth import Truth
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.identification._joint_stability import open_loop_gate
 from rcac_numeric.identification._regressors import lagged
 from rcac_numeric.identification._scalar_record import (
     SHARE,
@@ -107,6 +108,8 @@ def identify_output_error(
     ------
     InputError
         Where u does not excite, there are too few steps, or y does not answer to u.
+    UndecidedError
+        Where the plant seems unstable: a long regression has a root outside the unit circle.
 
     Notes
     -----
@@ -147,6 +150,9 @@ def identify_output_error(
             "the record shows no effect of u on y: no model is better than a constant. "
             "Excite u more, record longer, or try longer delays."
         )
+    stability = open_loop_gate(record.u, record.y, d, e, 2 * n + 2)
+    if not stability.passed:
+        raise UndecidedError(f"{stability.words}. {stability.advice}")
     A, b = np.r_[1.0, coefficients[: n - sums]], coefficients[n - sums :]
     for _ in range(sums):
         A = np.convolve(A, INTEGRATOR)

@@ -14,7 +14,11 @@ from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._validation import integer, number
 from rcac_numeric.identification._box_jenkins import DIFFERENCE, ProcessFit, residual_of
 from rcac_numeric.identification._joint_records import inputs_of, joint_record
-from rcac_numeric.identification._joint_stability import OPEN_LIMIT, unstable_root
+from rcac_numeric.identification._joint_stability import (
+    OPEN_LIMIT,
+    open_loop_gate,
+    unstable_root,
+)
 from rcac_numeric.identification._process_evidence import (
     Gate,
     bandwidth,
@@ -291,7 +295,11 @@ def require_effect(effect: Gate, search: ProcessSearch) -> None:
 def gates_without_controller(search: ProcessSearch, fit: ProcessFit) -> tuple[Gate, ...]:
     """The gates that need no controller, after the effect of u."""
     jumps, late = jump_gate(search, fit), delay_gate(search, fit)
-    return (late,) if jumps is None else (jumps, late)
+    gates = (late,) if jumps is None else (jumps, late)
+    if fit.is_unstable or search.is_closed:
+        return gates
+    record = search.record
+    return (*gates, open_loop_gate(record.u, record.y, fit.delay, fit.e, fit.parameters))
 
 
 def process_model(

@@ -35,7 +35,7 @@ from rcac_numeric.identification._joint_records import (
     joint_record,
     matrix_signal,
 )
-from rcac_numeric.identification._joint_search import JointSearch
+from rcac_numeric.identification._joint_search import JointSearch, bic_difference
 from rcac_numeric.identification._joint_stability import LIMIT, OPEN_LIMIT, unstable_root
 from rcac_numeric.identification._prediction_error import answers, leads
 from rcac_numeric.identification._process import scalar_model
@@ -249,8 +249,7 @@ def _with_effects(record: JointRecord, i: int, names: Names) -> tuple[JointSearc
             if others and effects[weakest] < WORSE:
                 without = JointSearch(record, others)
                 if without.fits:
-                    difference = without.fits[0].bic - search.fits[0].bic
-                    effects[weakest] = min(effects[weakest], difference)
+                    effects[weakest] = min(effects[weakest], bic_difference(without, search))
         if effects[weakest] > ODDS:
             return search, words
         words.append(

@@ -15,6 +15,7 @@ from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
+from rcac_numeric.identification._joint_stability import open_loop_gate
 from rcac_numeric.identification._process_evidence import (
     FEW,
     KNOWN,
@@ -415,6 +416,9 @@ def _gates(
     others = [one for one in rivals if not np.real(one.response(omega) / G).item() > 0]
     gates.append(sign_gate_of(len(others), edge))
     gates.append(_misfit(fit, bic, box_jenkins, edge))
+    gates.append(open_loop_gate(
+        record.u, record.y, round(float(fit.theta[-1])), fit.e, fit.parameters
+    ))  # fmt: skip
     return tuple(gates)
 
 

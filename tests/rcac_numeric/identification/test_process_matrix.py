@@ -276,3 +276,38 @@ def test_an_output_that_nothing_moves_is_refused():
     noise = np.random.default_rng(1).standard_normal(300)
     with pytest.raises(UndecidedError, match="no effect of u on y_2"):
         identify_process_matrix(U, np.c_[Y[:, 0], noise])
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("seed", range(3))
+def test_level_jumps_beside_a_long_gap(seed):
+    """Fits with and without the jumps leave out as many steps after the gap: one BIC."""
+    u, y = two_by_two(seed, 600, 0.02)
+    y[200:, 0] += 6.0
+    y[450:, 1] -= 9.0
+    u[300:360] = y[300:360] = np.nan
+    model = identify_process_matrix(u, y)
+    assert not model.failed
+    assert np.abs(np.array(model.delays) - DELAYS + 1).max() <= 1
+    assert model.gain == pytest.approx(GAINS, rel=0.15)
+
+
+@pytest.mark.costly
+def test_a_slow_part_of_the_other_sign_is_a_credible_model():
+    """Three experiments of a nonminimum-phase entry under a walk.
+
+    From two poles the search ended at one, the inverse response alone, of the wrong sign at rest.
+    """
+    rng = np.random.default_rng(1007)
+    records = []
+    for _ in range(3):
+        u = rng.standard_normal((200, 2))
+        y = lfilter([0, 0, 0, -0.031, 0.0393], [1, -1.7351, 0.7525], u[:, 0])
+        y += lfilter([0, 0, 0, 0, -0.0605, -0.0491], [1, -1.4708, 0.5357], u[:, 1])
+        walk = np.cumsum(0.01 * rng.standard_normal(200))
+        records.append((u, y + 0.3 * y.std() * (0.3 * rng.standard_normal(200) + walk)))
+    u, y = (np.concatenate(rows) for rows in zip(*records, strict=True))
+    model = identify_process_matrix(u, y, experiments=(200, 200, 200))
+    entry = model.entries[0][0]
+    at_rest = 0.0 if entry is None else np.real(model.response(0.02)[0, 0, 0])
+    assert at_rest > 0 or entry is None or "sign from u_1 to y" in [one.name for one in model.failed]
