@@ -347,7 +347,7 @@ class MatrixLogSearch:
         """The models with another credible one, or another delay, of one output."""
         rivals = []
         for i, (one, fit) in enumerate(zip(self.search.searches, fits, strict=True)):
-            others = [other for other in one.distinct if other is not fit]
+            others = [other for other in one.rivals if other is not fit]
             for channel in fit.channels:
                 for moved in channel_delays(one, fit, channel):
                     if moved.delay != channel.delay:

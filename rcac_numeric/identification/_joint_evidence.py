@@ -233,7 +233,7 @@ def sign_of(search: JointSearch, channel: Channel, omega: float, u: str, y: str)
     """Whether all credible models have the sign of a channel."""
     at = np.array([omega])
     others = 0
-    for fit in search.distinct:
+    for fit in search.rivals:
         other = fit.channel(channel.input)
         if other is not None and not np.real(other.response(at) / channel.response(at)) > 0:
             others += 1

@@ -122,12 +122,19 @@ class JointSearch:
     record : JointRecord
     inputs : sequence of int
         Those that may have an effect.
+
+    Attributes
+    ----------
+    fits : list of JointFit
+    larger : list of JointFit
+        Credible models with further inputs, whose effect does not pay the odds.
     """
 
     def __init__(self, record: JointRecord, inputs: Sequence[int]) -> None:
         self.record, self.inputs = record, tuple(inputs)
         self.costs = joint_costs(record)
         self.fits: list[JointFit] = []
+        self.larger: list[JointFit] = []
         self._searched()
         y = _without_jumps(record)
         y = record.clipped() if y is None else y
@@ -228,6 +235,19 @@ class JointSearch:
             if self.credible(fit):
                 kinds.setdefault(fit.key, fit)
         return list(kinds.values())
+
+    @property
+    def rivals(self) -> list[JointFit]:
+        """The credible models, those with further inputs among them."""
+        return [*self.distinct, *self.larger]
+
+    def with_larger(self, other: JointSearch) -> None:
+        """Keep the credible models of a search over more inputs."""
+        best = self.fits[0].bic + min(bic_difference(other, self), 0.0)
+        shift = self.fits[0].bic + bic_difference(other, self) - other.fits[0].bic
+        self.larger = [
+            one for one in other.rivals if one.bic + shift <= best + ODDS
+        ]  # fmt: skip
 
     def credible(self, fit: JointFit) -> bool:
         """Whether the odds against a model are below one to ten thousand."""

@@ -256,6 +256,8 @@ def _with_effects(record: JointRecord, i: int, names: Names) -> tuple[JointSearc
             f"the entry from {names.u(weakest)} to {names.y(i)} is 0: without it the BIC is larger "
             f"by {effects[weakest]:.3g} only, less than {ODDS:.3g}"
         )
+        if without is not None and without.fits:
+            without.with_larger(search)
         inputs, search = others, without
     raise UndecidedError(
         f"the record shows no effect of u on {names.y(i)}: "

@@ -28,7 +28,7 @@ def _columns(log: LogContents, used: dict[str, str]) -> Section:
     listed = sorted(log.columns, key=lambda c: c.full_name not in used)[:MOST_LISTED]
     rows = tuple(_row(c, used.get(c.full_name, "")) for c in log.columns if c in listed)
     heads = ("column", "unit", "type", "rows", "missing", "range", "rounding", "used as")
-    blocks: list[Block] = [SheetTable(heads, rows)]
+    blocks: list[Block] = [SheetTable(heads, rows, has_names=True)]
     if len(log.columns) > len(listed):
         words = f"{len(log.columns) - len(listed)} columns more; --json lists them"
         blocks.append(Text(words, "quiet"))

@@ -44,6 +44,7 @@ class SheetTable:
 
     heads: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
+    has_names: bool = False  # in the first column, to be copied: none is broken over lines
 
 
 Block = Text | Fact | SheetTable

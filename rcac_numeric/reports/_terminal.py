@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 
 import rich.table
 from rich import box
@@ -11,8 +12,10 @@ from rich.padding import Padding
 from rich.text import Text as Styled
 
 from rcac_numeric.arrays._wording import in_a_line, printable
-from rcac_numeric.reports._sheet import Fact, Level, Section, Sheet, SheetTable, Text
+from rcac_numeric.reports._sheet import Cell, Fact, Level, Section, Sheet, SheetTable, Text
 
+ROOM = 18  # characters of a name in a table
+USUAL = 80  # of a line: of a shorter one the heads are broken, too
 STYLES: dict[Level, str] = {
     "plain": "",
     "quiet": "dim",
@@ -73,7 +76,20 @@ def _print_section(out: Console, section: Section, wraps: bool) -> None:
         if isinstance(block, Text):
             _print_text(out, block, wraps)
         elif block is not None:
-            out.print(_table(block))
+            names = _long_names(block) if block.has_names else {}
+            out.print(_table(block, names, out.width))
+            for name, number in names.items():
+                out.print(Styled(f"  [{number}] {name}"), soft_wrap=True)
+
+
+def _long_names(block: SheetTable) -> dict[str, int]:
+    """The names that do not fit the first column, with the numbers by which they are listed."""
+    names = [_name(row) for row in block.rows]
+    return {name: i + 1 for i, name in enumerate(dict.fromkeys(names)) if len(name) > ROOM}
+
+
+def _name(row: tuple[Cell, ...]) -> str:
+    return " ".join(in_a_line(text.words) for text in row[0])
 
 
 def _title(title: str, remark: str) -> Styled:
@@ -88,12 +104,21 @@ def _print_text(out: Console, text: Text, wraps: bool) -> None:
         out.print(Styled("  ") + _styled(text), soft_wrap=True)
 
 
-def _table(block: SheetTable) -> RenderableType:
+def _table(block: SheetTable, names: Mapping[str, int], width: int) -> RenderableType:
     table = rich.table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for head in block.heads:
-        table.add_column(Styled(in_a_line(head)), overflow="fold")
+    for i, head in enumerate(block.heads):
+        words = max(map(len, in_a_line(head).split()), default=0)
+        table.add_column(
+            Styled(in_a_line(head)), overflow="fold", no_wrap=block.has_names and not i,
+            min_width=words if block.has_names and width >= USUAL else None,
+        )  # fmt: skip
     for row in block.rows:
-        table.add_row(*(Styled("\n").join(map(_styled, cell)) for cell in row))
+        shown = [Styled("\n").join(map(_styled, cell)) for cell in row]
+        number = names.get(_name(row))
+        if number is not None:
+            mark = f"... [{number}]"
+            shown[0] = Styled(f"{_name(row)[: ROOM - len(mark)]}{mark}")
+        table.add_row(*shown)
     return Padding(table, (0, 0, 0, 2), expand=False)
 
 

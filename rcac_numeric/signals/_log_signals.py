@@ -232,7 +232,7 @@ def _missing(contents: LogContents, role: str, name: str, names: Names) -> str:
     words = f"{contents.source} has no {name!r}, needed as {role}; it has {has}"
     if not likely:
         return f"{words}, none of which can be it."
-    proposal = shortened(likely[0], 40)
+    proposal = shortened(likely[0])  # whole, to be copied
     option = f'"{role}={proposal}"' if " " in proposal else f"{role}={proposal}"
     return (
         f"{words}.{hint} Say which column is {role}, for instance "

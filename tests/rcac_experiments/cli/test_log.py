@@ -42,6 +42,25 @@ def test_the_report_and_its_record(heater):
     assert columns["Modus"]["problem"] and columns["Zeit"]["used_as"] == "time"
 
 
+@pytest.mark.parametrize("width", ["40", "80", "200"])
+def test_a_long_name_can_be_copied_from_the_report(tmp_path, monkeypatch, width):
+    monkeypatch.setenv("COLUMNS", width)
+    names = [
+        f"Reactor jacket cooling water {side} temperature measured and filtered"
+        for side in ("inlet", "outlet")
+    ]
+    path = tmp_path / "log.csv"
+    rows = [f"{k};{k % 7};{k // 10 % 2}" for k in range(80)]
+    path.write_text("\n".join([";".join(["time", *names]), *rows]))
+    refused = rcac("log", path)
+    assert f'--names "u={names[0]}"' in refused.output
+    result = rcac("log", path, "--names", f"u={names[1]},y={names[0]}")
+    lines = [line.strip() for line in result.output.splitlines()]
+    for name in names:
+        assert sum(line.endswith(f"] {name}") for line in lines) == 1, result.output
+    assert width == "40" or any(" used" in line for line in lines), result.output
+
+
 @pytest.mark.parametrize(
     ("contents", "options", "words"),
     [

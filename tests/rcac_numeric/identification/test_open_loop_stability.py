@@ -1,4 +1,4 @@
-"""Unstable plants of records in open loop: every method refuses, or has the pole; no false alarm."""
+"""Unstable plants of records in open loop: every method refuses, or has the pole."""
 
 import numpy as np
 import pytest

@@ -15,6 +15,8 @@ from rcac_numeric.identification._box_jenkins import NoiseModel
 from rcac_numeric.identification._joint_fits import Channel, JointStart, _JointErrors
 from rcac_numeric.identification._joint_records import _smoothed, inputs_of, joint_record
 from rcac_numeric.identification._joint_stability import LIMIT, largest_root, unstable_root
+from rcac_numeric.identification._process_matrix import matrix_search
+from rcac_numeric.identification._process_search import ODDS
 
 
 def binary(rng, steps, hold):
@@ -310,4 +312,20 @@ def test_a_slow_part_of_the_other_sign_is_a_credible_model():
     model = identify_process_matrix(u, y, experiments=(200, 200, 200))
     entry = model.entries[0][0]
     at_rest = 0.0 if entry is None else np.real(model.response(0.02)[0, 0, 0])
-    assert at_rest > 0 or entry is None or "sign from u_1 to y" in [one.name for one in model.failed]
+    failed = [one.name for one in model.failed]
+    assert at_rest > 0 or entry is None or "sign from u_1 to y" in failed
+
+
+@pytest.mark.costly
+def test_models_with_an_entry_that_was_left_out_are_rivals():
+    """An effect below the odds is no entry; that it is 0 is not known, so the sign is tested."""
+    rng = np.random.default_rng(5)
+    u = rng.standard_normal((300, 2))
+    u[:, 1] = 0.8 * u[:, 0] + 0.6 * u[:, 1]
+    y = lfilter([0, 0.04], [1, -0.69], u[:, 0]) + lfilter([0, 0.36], [1, -0.61], u[:, 1])
+    search = matrix_search(u, y + 0.3 * rng.standard_normal(300)).searches[0]
+    assert search.inputs == (1,) and search.larger
+    best = min(one.bic for one in search.rivals)
+    for one in search.larger:
+        assert [channel.input for channel in one.channels] == [0, 1]
+        assert one.bic < best + ODDS
