@@ -113,12 +113,12 @@ def _table(block: SheetTable, names: Mapping[str, int], width: int) -> Renderabl
             min_width=words if block.has_names and width >= USUAL else None,
         )  # fmt: skip
     for row in block.rows:
-        shown = [Styled("\n").join(map(_styled, cell)) for cell in row]
+        texts = [Styled("\n").join(map(_styled, cell)) for cell in row]
         number = names.get(_name(row))
         if number is not None:
             mark = f"... [{number}]"
-            shown[0] = Styled(f"{_name(row)[: ROOM - len(mark)]}{mark}")
-        table.add_row(*shown)
+            texts[0] = Styled(f"{_name(row)[: ROOM - len(mark)]}{mark}")
+        table.add_row(*texts)
     return Padding(table, (0, 0, 0, 2), expand=False)
 
 
