@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import flint
-from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex
 from compensator_theory._printing import text
@@ -15,9 +15,8 @@ from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._flint_matrices import (
     from_flint,
-    identity_matrix,
     is_rational_matrix,
-    zero_matrix,
+    rational_in_flint,
 )
 from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
@@ -33,6 +32,7 @@ from compensator_theory.observers._gains import (
     read_target_polynomial,
     regulator_gain,
 )
+from compensator_theory.polynomials._budget import ask_for_number
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
@@ -80,7 +80,9 @@ class ObserverBasedCompensator(ExactValue):
         r"""The realisation (7.13), :math:`(A + BK - FC - F D_0 K,\ F,\ K)`, positive feedback."""
         plant, K, F = self.plant, self.K, self.F
         A, B, C, D = plant.matrices
-        fed_back, injected = multiplied(B, K), multiplied(F, C + multiplied(D, K))
+        measured = C + multiplied(D, K)
+        _ask_for_longest(A, B, K, F, measured)
+        fed_back, injected = multiplied(B, K), multiplied(F, measured)
         A_c, period = in_lowest_terms(A + fed_back - injected), plant.sample_time
         return Realisation(A_c, F, K, None, plant.variable, sample_time=period)
 
@@ -142,20 +144,19 @@ class ObserverBasedCompensator(ExactValue):
         compensator, and the residuals of both polynomials.
         """
         A, B, C, n = self.plant.A, self.plant.B, self.plant.C, self.plant.n
-        identity, zero = identity_matrix(n), zero_matrix(n, n)
-        S = identity.row_join(zero).col_join(identity.row_join(-identity))
-        moved = multiplied(B, self.K)
-        inner, outer = (in_lowest_terms(M) for M in (A + moved, A - multiplied(self.F, C)))
-        separated = in_lowest_terms(inner.row_join(-moved).col_join(zero.row_join(outer)))
         joined = in_lowest_terms(closed_loop_matrix(self.plant, self.compensator))
+        upper, lower = joined[:n, :], joined[n:, :]
+        moved = multiplied(B, self.K)
+        outer = in_lowest_terms(A - multiplied(self.F, C))
         s = self.plant.variable
+        # The rows of S A~ and of A' S, whose products would be as slow as their numbers are long
+        above = upper - A.row_join(moved)
+        below = upper - lower - outer.row_join(-outer)
         left = [
             (fed_back_polynomial(A, B, self.K, s) - self.regulator).all_coeffs(),
             (fed_back_polynomial(A.T, C.T, -self.F.T, s) - self.observer).all_coeffs(),
         ]
-        return certificate_of(
-            SIMILARITY, [multiplied(S, joined) - multiplied(separated, S), *left], "compensator"
-        )
+        return certificate_of(SIMILARITY, [above, below, *left], "compensator")
 
     def __str__(self) -> str:
         return (
@@ -170,6 +171,21 @@ class ObserverBasedCompensator(ExactValue):
             f"F = {latex(self.F)}",
             f"G_c = {latex(self.transfer_function)}",
         )
+
+
+def _ask_for_longest(A: Matrix, B: Matrix, K: Matrix, F: Matrix, measured: Matrix) -> None:
+    """Refuse A + B K - F C by one entry, that of the longest numbers of K and F."""
+    gains = rational_in_flint(K), rational_in_flint(F)
+    if None in gains or not A.rows:
+        return
+    column, row = (
+        max(range(A.rows), key=[entry.height_bits() for entry in gain.entries()].__getitem__)
+        for gain in gains
+    )
+    entry = A[row, column] + B[row, 0] * K[0, column] - F[row, 0] * measured[0, column]
+    if entry.is_Rational:
+        subject = "A + B K - F C of the compensator, longer than its transfer_function,"
+        ask_for_number(int(entry.p), int(entry.q), subject)
 
 
 @carrying(real=True)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import flint
 import sympy
-from sympy import Expr, Matrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, words
+from compensator_theory.matrices._flint_matrices import of_rows, rational
+from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.polynomials._carrying import (
     carried_by,
@@ -240,14 +244,41 @@ def hurwitz_determinants(
     p = polynomial(poly, variable)
     if p.is_zero:
         require_rational(p)
+    if is_rational(p):
+        return _minors_by_routh(p)
     leading, degree = p.LC(), int(p.degree())
     a = [sympy.cancel(c / leading) for c in p.all_coeffs()]  # a[k] belongs to s**(n - k)
-    H = Matrix(
-        degree,
-        degree,
-        lambda i, j: a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= degree else sympy.Integer(0),
-    )
+    H = _hurwitz_matrix(a)
     return tuple(determinant(H[:k, :k]) for k in range(1, degree + 1))
+
+
+def _hurwitz_matrix(a: Sequence[Expr]) -> ImmutableMatrix:
+    """Return the Hurwitz matrix of the monic polynomial with the coefficients a, descending."""
+    n = len(a) - 1
+    rows = [
+        [a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= n else sympy.Integer(0) for j in range(n)]
+        for i in range(n)
+    ]
+    return of_rows(rows, (n, n))
+
+
+def _minors_by_routh(p: Poly) -> tuple[Expr, ...]:
+    """Return the minors of rational numbers as products of the first column of Routh's array.
+
+    A zero in that column ends the array; the minors after it are computed one by one.
+    """
+    monic = to_flint_polynomial(p) / to_flint_polynomial(p).leading_coefficient()
+    a = monic.coeffs()[::-1]
+    upper, lower = a[0::2], a[1::2]
+    minors: list[flint.fmpq] = []
+    while lower and lower[0]:
+        minors.append(lower[0] * (minors[-1] if minors else 1))
+        factor = upper[0] / lower[0]
+        padded = [*lower[1:], *[flint.fmpq(0)] * (len(upper) - len(lower))]
+        upper, lower = lower, [u - factor * v for u, v in zip(upper[1:], padded, strict=True)]
+    H = _hurwitz_matrix([rational(c) for c in a])
+    rest = range(len(minors) + 1, len(a))
+    return *map(rational, minors), *(determinant(H[:k, :k]) for k in rest)
 
 
 def _hurwitz_with_symbols(p: Poly) -> StabilityDecision:
