@@ -13,6 +13,7 @@ from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._rings import Element, Grid, RationalRing, Ring
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 
 
@@ -95,6 +96,8 @@ def row_reduced_form(
     [[0, 1], [s, s]] (0, 1)
     """
     source = polynomial_matrix(matrix, variable)
+    rows, columns = source.shape
+    ask("entries", rows**2 * columns * (max(source.degree, 0) + 1) // 2, "the row-reduced form")
     work = elimination_of(source)
     ring = work.ring
     while (relation := _relation(ring, work.matrix)) is not None:

@@ -15,12 +15,14 @@ from compensator_theory.matrices._echelon import pivot_columns
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices._flint_matrices import (
+    RationalMatrix,
     identity_matrix,
     of_rows,
     stacked,
     zero_matrix,
 )
 from compensator_theory.matrices._linear_algebra import determinant, multiplied, solve
+from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
@@ -152,6 +154,9 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     columns = [k * m + i for i in range(m) for k in range(indices[i])]
     ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
     lasts = solve(kalman[:, columns].T, identity_matrix(n)[:, ends]).T  # of the inverse
+    if isinstance(lasts, RationalMatrix):  # T has such numbers in each of its entries
+        bits = max(entry.height_bits() for entry in lasts.flint_form.entries())
+        ask("entries", n**2 * decimal_digits(bits) // 50, "Brunovsky's form, 50 digits as one,")
     rows, tops = [], []
     for k, length in enumerate(filter(None, indices)):
         row = lasts[k, :]

@@ -12,7 +12,7 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialEr
 
 from compensator_theory.errors import Advice, InputError
 from compensator_theory.polynomials._algebraic import rationalised
-from compensator_theory.polynomials._budget import ask, quoted, repr_of, unlimited
+from compensator_theory.polynomials._budget import ask, decimal_digits, quoted, repr_of, unlimited
 from compensator_theory.polynomials._decidable import DEAD_TIME, require_decidable
 from compensator_theory.polynomials._formatting import in_least_domain, require_real
 from compensator_theory.polynomials._multivariate import common_divisor_by_flint
@@ -40,6 +40,19 @@ def from_expression(expression: Expr, variable: Symbol) -> Poly:
     with unlimited():
         quotient = multiplied_out(tree_of(expression), least_denominators=True)
         return from_quotient(quotient, variable)
+
+
+def ask_for_coefficients(poly: Poly, degree: int, subject: str, unit: int = 120) -> None:
+    """Refuse work that grows with the cube of a degree and with the digits of the coefficients.
+
+    Each `unit` of these digits counts as an entry.
+    """
+    flat = poly.inject() if poly.domain.is_PolynomialRing else poly
+    if not (flat.domain.is_ZZ or flat.domain.is_QQ):
+        return
+    whole = flat.clear_denoms(convert=True)[1]
+    bits = max((abs(int(c)).bit_length() for c in whole.coeffs()), default=0)
+    ask("entries", degree**3 * decimal_digits(bits) // unit, f"{subject}, {unit} digits as one,")
 
 
 def canonical(poly: Poly) -> Poly:

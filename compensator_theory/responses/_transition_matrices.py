@@ -19,6 +19,7 @@ from compensator_theory.matrices._flint_matrices import identity_matrix, zero_ma
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._letters import names_in_all
 from compensator_theory.polynomials._numbers import NumberLike
+from compensator_theory.polynomials._poly import ask_for_coefficients
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_discrete
 from compensator_theory.responses._time_responses import TimeResponse, inverse_transform
@@ -140,6 +141,7 @@ def transition_matrix(A: MatrixLike, variable: str | Symbol = "s") -> Transition
         raise InputError(f"{symbol} is an entry of A; name the variable otherwise, s, z or q")
     unit = identity_matrix(n)
     resolvent = transfer_matrix_of_realisation(A, unit, unit, zero_matrix(n, n), symbol)
+    ask_for_coefficients(resolvent.denominator, n, "the transition matrix", 1)
     factor = Poly(symbol if discrete else 1, symbol, domain="QQ")
     return TransitionMatrix(
         A,

@@ -16,7 +16,7 @@ from compensator_theory.polynomials._ball_precision import (
 )
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._poly import canonical, monic
+from compensator_theory.polynomials._poly import ask_for_coefficients, canonical, monic
 from compensator_theory.polynomials._reading import PolynomialLike
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, agreed_time
@@ -260,6 +260,7 @@ def _factor_palindrome(palindrome: Poly, degree: int, digits: int, bits: int) ->
             f"has at least degree {int(stripped.degree()) // 2}, not {degree}"
         )
     power = Poly(palindrome.gen**at_origin, palindrome.gen)
+    ask_for_coefficients(stripped, int(stripped.degree()) // 2, "the spectral factor", 480)
     try:
         inside, _ = split_at_unit_circle(stripped)
     except NoSolutionError:

@@ -22,6 +22,7 @@ from compensator_theory.polynomials._ball_precision import (
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import (
+    ask_for_coefficients,
     common_divisor,
     exact_quotient,
     is_rational,
@@ -357,6 +358,7 @@ def stability_margins(
     top, bottom = (half_plane_image(p, size) for p in (N, D)) if time == "discrete" else (N, D)
     through = squared(top, top)[0], squared(bottom, bottom)[0]
     real, imaginary = squared(top, bottom)
+    ask_for_coefficients(through[0] - through[1], size, "the frequencies of the margins")
     balls = cache(real_root_balls)  # a factor is isolated once for all its roots
     gain_crossovers = [
         _gain_crossover(factor, index, value, top, bottom, time, balls)

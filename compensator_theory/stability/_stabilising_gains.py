@@ -10,7 +10,12 @@ from compensator_theory.loops._siso import LoopPart, read_loop
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._letters import introduced, names_in_all
-from compensator_theory.polynomials._poly import canonical, from_coefficients, over_one_field
+from compensator_theory.polynomials._poly import (
+    ask_for_coefficients,
+    canonical,
+    from_coefficients,
+    over_one_field,
+)
 from compensator_theory.stability._stability_intervals import (
     StabilityIntervals,
     stability_intervals,
@@ -97,6 +102,7 @@ def intervals_of_gains(
 
 def intervals_of_loop(polynomial: Poly, k: Symbol) -> StabilityIntervals:
     """The stable values of a gain in D + k N, where a degree that drops is a root at infinity."""
+    ask_for_coefficients(polynomial, int(polynomial.degree()), "the gains that stabilise")
     return replace(stability_intervals(polynomial, k), points=())
 
 

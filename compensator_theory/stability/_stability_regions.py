@@ -19,6 +19,7 @@ from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._poly import ask_for_coefficients
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_discrete
@@ -229,6 +230,7 @@ def _region(p: Poly, parameters: tuple[Symbol, ...], *, of_a_loop: bool = False)
             "but stability regions need rational coefficients; give a rational number close to it"
         )
     ask("degree", int(p.degree()) ** len(parameters), "the region of stability")
+    ask_for_coefficients(p, int(p.degree()) ** 2 // 4, "the region of stability", 10)
     boundaries = _boundaries(p, parameters)
     levels = _levels(boundaries, parameters)
     return _decomposed(p, parameters, levels, {}, of_a_loop)

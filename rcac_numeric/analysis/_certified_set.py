@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from compensator_theory import figures
 from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import IllConditionedError, InputError, NoSolutionError
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.stability._bounded_real_lemma import GainBound
 from rcac_numeric.analysis._ellipsoids import largest_for_matrices
 from rcac_numeric.analysis._moving_gains import (
@@ -448,6 +449,7 @@ def certified_set(
     prior = _prior(settings) if shape == "prior" else None
     systems = {name: regressor_system(one, structure, fixed) for name, one in plants.items()}
     loops = {name: centered_loop(system, center, gains) for name, system in systems.items()}
+    ask("entries", max(len(loop.A) for loop in loops.values()) ** 3, "the proof of the set")
     corners = _stable_corners(loops, gains, rate)
     responses = np.concatenate([loop.responses(rate) for loop in corners])
     scale = _input_scale(responses, prior)

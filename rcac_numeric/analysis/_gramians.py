@@ -11,8 +11,8 @@ from rcac_numeric.arrays._array_types import Array
 
 # Successive precisions of the balls in bits, and doublings: enough for every float64 matrix.
 PRECISIONS, DOUBLINGS = (192, 512, 1536, 4096), 100
-# Largest order for the enclosure in balls if float64 fails: one second.
-MOST_STATES = 120
+# Largest order for the enclosure in balls if float64 fails, one second; the Schur form beyond it.
+MOST_STATES = 50
 
 
 def stein_solution(A: Array, Q: Array) -> Array:
@@ -34,9 +34,11 @@ def stein_solution(A: Array, Q: Array) -> Array:
             return solution
         is_finite = bool(np.isfinite(A).all() and np.isfinite(Q).all())
         radius = float(np.abs(np.linalg.eigvals(A)).max()) if is_finite else np.inf
-        enclosed = _from_balls(A, Q) if radius < 1 else None
-        if enclosed is not None and stein_residual(A, Q, enclosed) <= _rounding(A):
-            return enclosed
+        if radius < 1:
+            solve = _from_balls if len(A) <= MOST_STATES else _from_schur
+            second = solve(A, Q)
+            if second is not None and stein_residual(A, Q, second) <= _rounding(A):
+                return second
     raise IllConditionedError(
         f"X = A X A' + Q has no solution that float64 holds with a residual of rounding, for A of "
         f"{len(A)} states, spectral radius {radius:.6g} and norm {norm(A):.3g}. Scale the states "
@@ -76,9 +78,23 @@ def _doubled(A: Array, Q: Array) -> Array | None:
     return None
 
 
+def _from_schur(A: Array, Q: Array) -> Array:
+    """Return X from the triangular equation Y = T Y T' + U'QU, column by column from the last.
+
+    Source: G. Kitagawa, International Journal of Control 25 (1977).
+    """
+    from scipy.linalg import schur, solve_triangular
+
+    T, U = schur(A.astype(complex), output="complex")
+    right, Y = U.conj().T @ Q @ U, np.zeros_like(T)
+    for k in reversed(range(len(A))):
+        known = right[:, k] + T @ (Y[:, k + 1 :] @ T[k, k + 1 :].conj())
+        Y[:, k] = solve_triangular(np.eye(len(A)) - T[k, k].conj() * T, known)
+    X = (U @ Y @ U.conj().T).real
+    return np.asarray((X + X.T) / 2, dtype=np.float64)
+
+
 def _from_balls(A: Array, Q: Array) -> Array | None:
-    if len(A) > MOST_STATES:
-        return None
     state, source = rational(A), rational(Q)
     for precision in PRECISIONS:
         gramians = enclosed_gramians(state, source, fmpq_mat(len(A), len(A)), precision)

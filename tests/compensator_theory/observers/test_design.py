@@ -8,13 +8,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import compensator_theory as ct
-from compensator_theory.errors import ImproperError, NotControllableError, NotObservableError
+from compensator_theory.errors import (
+    BudgetError,
+    ImproperError,
+    NotControllableError,
+    NotObservableError,
+)
 from compensator_theory.strategies import (
     matrices,
     minimal_mimo_plants,
     spectra,
     strictly_proper_plants,
 )
+from tests.support.work import at_most
 
 s = sympy.Symbol("s")
 MOTOR = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
@@ -220,3 +226,14 @@ def test_systems_of_python_control_keep_their_basis():
     exact = ct.realisation(system)
     assert exact.variable.name == "z" and exact.A[0, 0] == sympy.Rational(1, 10)
     assert "A = " in str(exact) and exact._repr_latex_().startswith("$")
+
+
+def test_a_compensator_of_long_numbers_is_refused_by_one_entry():
+    A, B, C = [[2, 1, 0], [0, 3, 1], [1, 0, 5]], [[1], [2], [7]], [[1, 3, 2]]
+    poles = [[sympy.Rational(k, 10**90 + k) for k in (-7, -3, start)] for start in (-1, -2)]
+    long = ct.observer_based_compensator((A, B, C), *poles, variable="s")
+    assert long.certificate.holds
+    with ct.budget(digits=250):
+        for read in (lambda: long.compensator, lambda: long.certificate):
+            with at_most(3_000), pytest.raises(BudgetError, match="transfer_function"):
+                read()

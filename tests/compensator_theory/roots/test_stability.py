@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from compensator_theory import (
@@ -106,6 +106,16 @@ def test_hurwitz_determinants_decide(p):
     determinants = hurwitz_determinants(p)
     assert len(determinants) == p.degree()
     assert all(d > 0 for d in determinants) == decide_stability(p, time="continuous").by_roots
+
+
+@given(st.lists(st.fractions(-3, 3, max_denominator=2), min_size=1, max_size=6))
+@example([0, 1, 2, 0, 3])  # a zero at the top of Routh's array
+@example([1, 1, 1, 1])  # a row of zeros
+def test_hurwitz_determinants_are_minors_of_the_hurwitz_matrix(tail):
+    a, n = [1, *map(sympy.Rational, tail)], len(tail)
+    H = sympy.Matrix(n, n, lambda i, j: a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= n else 0)
+    minors = tuple(H[:k, :k].det(method="berkowitz") for k in range(1, n + 1))
+    assert hurwitz_determinants([3 * c for c in a], "s") == minors
 
 
 @given(polynomials("z", min_degree=1, max_degree=6))

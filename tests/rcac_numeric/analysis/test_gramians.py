@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import IllConditionedError
 from rcac_numeric import design
-from rcac_numeric.analysis._gramians import rational, stein_residual, stein_solution
+from rcac_numeric.analysis._gramians import _from_schur, rational, stein_residual, stein_solution
 
 EPS = np.finfo(float).eps
 
@@ -79,3 +79,11 @@ def test_the_column_of_wood_and_berry_is_designed_at_every_level_of_noise(noise)
         G, sample_time=1.0, dead_time=late, disturbance=0.1, noise=noise, seeds=1, steps=100
     )
     assert np.isfinite(designed.controller.theta_0).all()
+
+
+@given(n=st.integers(1, 6), radius=st.sampled_from([0.3, 0.9, 0.999]), seed=st.integers(0, 10**6))
+def test_the_schur_form_of_many_states_has_a_residual_of_rounding(n, radius, seed):
+    rng = np.random.default_rng(seed)
+    A, root = rng.standard_normal((n, n)), rng.standard_normal((n, n))
+    A *= radius / np.abs(np.linalg.eigvals(A)).max()
+    assert stein_residual(A, root @ root.T, _from_schur(A, root @ root.T)) <= 50 * n * EPS
