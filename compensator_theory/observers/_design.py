@@ -175,12 +175,12 @@ class ObserverBasedCompensator(ExactValue):
 
 def _ask_for_longest(A: Matrix, B: Matrix, K: Matrix, F: Matrix, measured: Matrix) -> None:
     """Refuse A + B K - F C by one entry, that of the longest numbers of K and F."""
-    gains = rational_in_flint(K), rational_in_flint(F)
-    if None in gains or not A.rows:
+    k, f = rational_in_flint(K), rational_in_flint(F)
+    if k is None or f is None or not A.rows:
         return
     column, row = (
         max(range(A.rows), key=[entry.height_bits() for entry in gain.entries()].__getitem__)
-        for gain in gains
+        for gain in (k, f)
     )
     entry = A[row, column] + B[row, 0] * K[0, column] - F[row, 0] * measured[0, column]
     if entry.is_Rational:

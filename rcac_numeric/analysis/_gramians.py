@@ -35,8 +35,7 @@ def stein_solution(A: Array, Q: Array) -> Array:
         is_finite = bool(np.isfinite(A).all() and np.isfinite(Q).all())
         radius = float(np.abs(np.linalg.eigvals(A)).max()) if is_finite else np.inf
         if radius < 1:
-            solve = _from_balls if len(A) <= MOST_STATES else _from_schur
-            second = solve(A, Q)
+            second = _from_balls(A, Q) if len(A) <= MOST_STATES else _from_schur(A, Q)
             if second is not None and stein_residual(A, Q, second) <= _rounding(A):
                 return second
     raise IllConditionedError(

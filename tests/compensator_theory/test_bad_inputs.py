@@ -144,3 +144,25 @@ def test_the_budget_refuses_and_can_be_raised(limits, door, value):
 def test_a_limit_is_a_positive_integer(limit):
     with pytest.raises(exact.InputError, match="positive integer"), exact.budget(degree=limit):
         pass
+
+
+LONG = "1/(s + 1/10**40)**3"
+
+
+@pytest.mark.parametrize(
+    ("call", "subject"),
+    [
+        (lambda: exact.stability_margins(LONG, feedback=-1), "the frequencies of the margins"),
+        (lambda: exact.stabilising_gains(LONG, feedback=-1), "the gains that stabilise"),
+        (lambda: exact.spectral_factor("(z - 3/10**40)**3", "z**3"), "the spectral factor"),
+        (lambda: exact.stability_region("s**4/10**20 + a*s**2 + b*s + 1", "a", "b"), "the region"),
+        (lambda: exact.transition_matrix([[0, 1], [-20, -30]]), "the transition matrix"),
+        (
+            lambda: exact.forms.row_reduced_form([["s**2", 1, 1], ["s", 0, 2], [1, "s", 0]]),
+            "row-reduced",
+        ),
+    ],
+)
+def test_work_that_grows_with_degree_and_digits_is_refused_before_it_begins(call, subject):
+    with exact.budget(entries=10), pytest.raises(exact.errors.BudgetError, match=subject):
+        call()
