@@ -218,7 +218,7 @@ class _Errors:
         steps = record.steps
         self.impulse = np.zeros(steps)
         self.impulse[0] = 1.0
-        self.known = [np.ones(steps)]
+        self.known: list[Array] = [np.ones(steps)]
         if start.summed or start.slope:
             self.known.append(np.linspace(0, 1, steps))
         if start.jump:

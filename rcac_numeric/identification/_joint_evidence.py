@@ -22,8 +22,8 @@ from rcac_numeric.identification._joint_fits import (
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._joint_search import JointSearch
 from rcac_numeric.identification._joint_stability import LIMIT, largest_root
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_evidence import (
-    FEW,
     KNOWN,
     LAGS,
     MOST_DELAYS,
@@ -33,7 +33,7 @@ from rcac_numeric.identification._process_evidence import (
     inflation,
     without_jumps,
 )
-from rcac_numeric.identification._process_search import NOISES, ODDS, RICHER
+from rcac_numeric.identification._process_search import FEW, NOISES, RICHER
 
 SLOW_POLE = 20.0  # abs(1 - pole) times the steps: a pole that the record cannot tell from 1
 

@@ -27,6 +27,7 @@ from rcac_numeric.identification._joint_fits import (
     student_weights,
 )
 from rcac_numeric.identification._joint_records import JointRecord
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_records import DEGREES, JUMP, ROBUST
 from rcac_numeric.identification._process_search import (
     ALIKE,
@@ -37,7 +38,6 @@ from rcac_numeric.identification._process_search import (
     MOST_STEPS,
     NOISES,
     NOTCH,
-    ODDS,
     PEAK,
     RICHER,
     RING,

@@ -9,8 +9,8 @@ from scipy.stats import norm
 
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.identification._joint_records import JointRecord, inputs_of, joint_record
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_evidence import Gate
-from rcac_numeric.identification._process_search import ODDS
 
 ORDERS = (4, 8, 12, 16)
 OUTSIDE = 1.001  # least modulus of an unstable root

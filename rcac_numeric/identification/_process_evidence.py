@@ -27,12 +27,11 @@ from rcac_numeric.identification._box_jenkins import (
     weighted_fit,
 )
 from rcac_numeric.identification._delay_scan import scanned_again
-from rcac_numeric.identification._prediction_error import leads
+from rcac_numeric.identification._prediction_error import ODDS, leads
 from rcac_numeric.identification._process_records import DEGREES, ProcessRecord
 from rcac_numeric.identification._process_search import (
     FEW,
     NOISES,
-    ODDS,
     RICHER,
     ProcessSearch,
     has_many_values,

@@ -37,10 +37,10 @@ from rcac_numeric.identification._joint_records import (
 )
 from rcac_numeric.identification._joint_search import JointSearch, bic_difference
 from rcac_numeric.identification._joint_stability import LIMIT, OPEN_LIMIT, unstable_root
-from rcac_numeric.identification._prediction_error import answers, leads
+from rcac_numeric.identification._prediction_error import ODDS, answers, leads
 from rcac_numeric.identification._process import scalar_model
 from rcac_numeric.identification._process_evidence import Gate, undecided_direction
-from rcac_numeric.identification._process_search import MANY, ODDS, WORSE
+from rcac_numeric.identification._process_search import MANY, WORSE
 from rcac_numeric.identification._scalar_record import ScalarModel
 
 SHORTEST_TEST = 100  # steps of a test of feedback

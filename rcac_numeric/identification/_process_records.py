@@ -170,7 +170,7 @@ def _student(low: Array, high: Array) -> Array:
         root = np.sqrt(DEGREES + a * a)
         rest = np.where(a > 0, DEGREES / (root * (root + np.abs(a))), 1 - a / root)  # 1 - t
         shares.append(rest**2 * (3 - rest) / 4)
-    return np.log(np.maximum(shares[0] - shares[1], 1e-300))
+    return np.asarray(np.log(np.maximum(shares[0] - shares[1], 1e-300)))
 
 
 def process_record(u: ArrayLike, y: ArrayLike) -> ProcessRecord:

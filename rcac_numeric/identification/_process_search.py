@@ -388,7 +388,7 @@ class ProcessSearch:
         for row in sorted(rows | set(record.large_jumps(FEW))):
             if not 0 < row < record.steps:
                 continue
-            for one in self._beside(1.0 * (k >= row), jump=row)[:2]:
+            for one in self._beside(np.asarray(k >= row, dtype=np.float64), jump=row)[:2]:
                 self.fit(start_of(one))
         self.jumped = sorted(self.fits[first:], key=_bic)
         del self.fits[first:]

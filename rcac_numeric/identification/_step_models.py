@@ -23,8 +23,9 @@ from rcac_numeric.identification._box_jenkins import (
     noise_start,
 )
 from rcac_numeric.identification._delay_scan import delay_scan
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_records import ProcessRecord
-from rcac_numeric.identification._process_search import ODDS, WORSE
+from rcac_numeric.identification._process_search import WORSE
 
 SHORTEST, LONGEST = 0.05, 5.0  # time constants: steps, and lengths of the record
 GRID = 14  # time constants of the grid of starts

@@ -16,8 +16,8 @@ from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.identification._joint_stability import open_loop_gate
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_evidence import (
-    FEW,
     KNOWN,
     Gate,
     bic_of_jumps,
@@ -28,7 +28,7 @@ from rcac_numeric.identification._process_evidence import (
     sign_gate_of,
 )
 from rcac_numeric.identification._process_records import ROBUST, process_record
-from rcac_numeric.identification._process_search import ODDS, ProcessSearch
+from rcac_numeric.identification._process_search import FEW, ProcessSearch
 from rcac_numeric.identification._scalar_record import scalar_signal
 from rcac_numeric.identification._step_intervals import TAIL, StepSamples, step_samples
 from rcac_numeric.identification._step_models import (

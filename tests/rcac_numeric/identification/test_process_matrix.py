@@ -15,8 +15,8 @@ from rcac_numeric.identification._box_jenkins import NoiseModel
 from rcac_numeric.identification._joint_fits import Channel, JointStart, _JointErrors
 from rcac_numeric.identification._joint_records import _smoothed, inputs_of, joint_record
 from rcac_numeric.identification._joint_stability import LIMIT, largest_root, unstable_root
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_matrix import matrix_search
-from rcac_numeric.identification._process_search import ODDS
 
 
 def binary(rng, steps, hold):

@@ -7,8 +7,9 @@ import pytest
 
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.identification import _step_response as steps
-from rcac_numeric.identification._process_evidence import FEW, KNOWN, Gate
-from rcac_numeric.identification._process_search import ODDS
+from rcac_numeric.identification._prediction_error import ODDS
+from rcac_numeric.identification._process_evidence import KNOWN, Gate
+from rcac_numeric.identification._process_search import FEW
 from rcac_numeric.identification._step_models import SHARE
 from rcac_numeric.identification._step_response import (
     OVERSHOOT,
