@@ -222,7 +222,7 @@ class _Errors:
         if start.summed or start.slope:
             self.known.append(np.linspace(0, 1, steps))
         if start.jump:
-            self.known.append(1.0 * (np.arange(steps) >= start.jump))
+            self.known.append(np.asarray(np.arange(steps) >= start.jump, dtype=np.float64))
         self.fixed = len(self.known) + 2 * bool(start.sinusoid)
         self.free = self.fixed + self.n
 
