@@ -90,7 +90,7 @@ def test_every_stabiliser_has_the_poles_that_are_told(G, data):
 
 def test_what_is_refused():
     for text, why in (
-        ("0/(s + 1)", "the plant 0"),
+        ("0/(s + 1)", "the plant is 0"),
         ("s**2/(s + 1)", "improper"),
         ("1/(s + a)", "not all rational numbers"),
         ("1/(x + 1)", "continuous time"),

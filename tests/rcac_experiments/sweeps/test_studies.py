@@ -221,7 +221,7 @@ def test_a_value_that_makes_no_run_is_refused_before_anything_runs(tmp_path, stu
 def test_a_file_that_is_no_study_says_so(tmp_path):
     file = tmp_path / "case.toml"
     file.write_text(FILE.replace("[study]", ""))
-    with pytest.raises(InputError, match=r"there is no table \[study\]"):
+    with pytest.raises(InputError, match=r"the table \[study\].*is missing"):
         load_study(file)
 
 

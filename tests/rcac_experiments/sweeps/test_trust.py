@@ -87,7 +87,7 @@ def test_functions_come_from_a_file_that_the_command_names(tmp_path):
     good = CliRunner().invoke(main, ["replay", str(path), "0", "--measures", str(file)])
     assert good.exit_code == 0, good.output
     file.write_text("def deadly(r):\n    return 2.0\n")
-    for words in ("its source is another", "cannot be run: ZeroDivisionError"):
+    for words in ("its source differs", "cannot be run: ZeroDivisionError"):
         bad = CliRunner().invoke(main, ["replay", str(path), "0", "--measures", str(file)])
         assert bad.exit_code == 2 and words in bad.stderr
         file.write_text("1 / 0\n")

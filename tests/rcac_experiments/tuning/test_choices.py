@@ -85,7 +85,7 @@ def test_a_tuning_has_its_points_beside_rule_and_fixed(plain, script):
     tuned = tune(plain, 3, held_out=1, seeds=1)
     assert [one.name for one in tuned.candidates] == [FIXED, RULE, "1", "2", "3"]
     points = _points(3, 0)
-    assert [one.knobs for one in tuned.candidates] == [None, TuningParameters(), *points]
+    assert [one.parameters for one in tuned.candidates] == [None, TuningParameters(), *points]
     assert any(one.spare for one in points)
     first = script.rounds["round-1"]
     assert first.steps == script.rounds["held-out"].steps == 100 and first.seeds == 1
@@ -108,19 +108,19 @@ def test_steps_and_draws_are_those_that_are_given(plain, script):
 def test_the_order_of_a_structure_stays(script):
     pi = design("1/(q - 0.9)", structure=pid("PI"), **SMALL)
     tuned = tune(pi, 3, held_out=1, seeds=1)
-    knobs = [one.knobs for one in tuned.candidates if one.name not in (FIXED, RULE)]
-    assert [one.spare for one in knobs] == [0, 0, 0]
-    assert len({one.width for one in knobs}) == 3  # and nothing else
+    parameters = [one.parameters for one in tuned.candidates if one.name not in (FIXED, RULE)]
+    assert [one.spare for one in parameters] == [0, 0, 0]
+    assert len({one.width for one in parameters}) == 3  # and nothing else
     assert tuned.settings.structure == pid("PI")
 
 
 def test_in_a_certified_set_order_and_width_stay_and_the_prior_may_be_weaker(certified, script):
     tuned = tune(certified, 3, held_out=1, seeds=1)
-    knobs = [one.knobs for one in tuned.candidates if one.name not in (FIXED, RULE)]
+    parameters = [one.parameters for one in tuned.candidates if one.name not in (FIXED, RULE)]
     rule = TuningParameters()
     points = _points(3, 0, WEAKEST * rule.worth(certified.expected))
-    assert [one.samples for one in knobs] == [one.samples for one in points]
-    assert {(one.spare, one.width) for one in knobs} == {(0, rule.width)}
+    assert [one.samples for one in parameters] == [one.samples for one in points]
+    assert {(one.spare, one.width) for one in parameters} == {(0, rule.width)}
     assert equal(tuned.settings.bounds, certified.certified.bounds)
     assert list(script.rounds["held-out-box"].controllers) == [BOXED]
     assert {one.controller for one in tuned.design.evidence} >= {RCAC, BOXED, FIXED}
@@ -160,10 +160,13 @@ def test_numbers_beyond_their_bounds_are_refused(plain, script, options, words):
 def test_what_saves_no_run_and_has_more_error_gives_way_to_the_rule(
     plain, of_point, of_rule, is_kept
 ):
-    knobs = {RULE: TuningParameters(), "1": TuningParameters(samples=10.0)}
-    settings = {FIXED: plain.fixed, **{name: _settings(plain, one) for name, one in knobs.items()}}
+    parameters = {RULE: TuningParameters(), "1": TuningParameters(samples=10.0)}
+    settings = {
+        FIXED: plain.fixed,
+        **{name: _settings(plain, one) for name, one in parameters.items()},
+    }
     alike = Comparison(1.0, (1.0, 1.0), (1, 1), (1, 1), (0.2, 1.0), "none", 1.0, 0, 0)
-    candidates = tuple(Candidate(name, one, alike, 1.5, 4) for name, one in knobs.items())
+    candidates = tuple(Candidate(name, one, alike, 1.5, 4) for name, one in parameters.items())
     by_name = {RCAC: of_point, RULE: of_rule}
 
     def numbers(controller, plant, draw):

@@ -214,7 +214,7 @@ def test_the_sign_is_where_y_goes_in_the_end(G, sign):
         ("(s + 2)/(s + 1)", (1.0, 0), ImproperError, "strictly proper"),
         ("q/(q - 0.5)", (None, 0), ImproperError, "strictly proper"),
         (control.ss(-np.eye(2), np.eye(2), [[1, 1]], 0), (1.0, 0), InputError, "2 inputs"),
-        ("0/(q - 0.5)", (None, 0), InputError, "gain is 0"),
+        ("0/(q - 0.5)", (None, 0), InputError, "has gain 0"),
     ],
 )
 def test_what_is_no_plant_for_design_is_refused(plant, arguments, error, words):

@@ -177,7 +177,7 @@ def test_a_frame_is_refused_with_the_call_that_reads_it(plant):
     [
         ({"steps": 99}, "steps"),
         ({"seeds": 0}, "seeds"),
-        ({"u_limits": (0.5, 0.5)}, "leave u no choice"),
+        ({"u_limits": (0.5, 0.5)}, "must have low < high"),
         ({"uncertainty": 0.2}, "uncertainty"),
         ({"structure": "PI"}, "structure"),
     ],

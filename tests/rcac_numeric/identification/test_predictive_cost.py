@@ -265,7 +265,7 @@ def test_the_health_and_the_loop_of_a_run_are_those_of_its_compensator():
         (lambda: simulate("q/(q - 2)", PredictiveCost(2, 5), [[1.0]] * 9), "D_0 is not zero"),
         (lambda: rcac.simulate_many(
             [rcac.SimulationCase("1/(q - 2)", PredictiveCost(1, 5), [[1.0]] * 9)]
-        ), "only `simulate` runs"),
+        ), "`simulate` runs it"),
     ],
 )  # fmt: skip
 def test_bad_input(make, words):

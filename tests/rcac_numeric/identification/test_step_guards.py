@@ -154,10 +154,13 @@ def gates_of(monkeypatch):
         monkeypatch.setattr(steps, "gain_deviation", lambda samples, integrates, edge: deviation)
         misfit = Gate("misfit", True, 0.0, KNOWN, "", "")
         monkeypatch.setattr(steps, "_misfit", lambda fit, bic, box_jenkins, edge: misfit)
+        stable = Gate("stability", True, 0.0, 0.0, "", "")
+        monkeypatch.setattr(steps, "open_loop_gate", lambda *record: stable)
         fit = SimpleNamespace(
-            bic=bic, jumps=jumps, theta=np.array([1.0, 0.5, dead_time]), integrates=False, gain=gain
-        )
-        record = SimpleNamespace(moves=moves, steps=steps_of_record)
+            bic=bic, jumps=jumps, theta=np.array([1.0, 0.5, dead_time]), integrates=False, gain=gain,
+            e=None, parameters=4,
+        )  # fmt: skip
+        record = SimpleNamespace(moves=moves, steps=steps_of_record, u=None, y=None)
         worse = SimpleNamespace(bic=1e9, jumps=(), theta=np.array([1.0, 0.5, 0.0]))
         search = SimpleNamespace(record=record, fits=[fit, worse])
         rivals = SimpleNamespace(
@@ -187,8 +190,8 @@ def test_few_moves_have_a_gate_of_level_jumps(gates_of, moves, jumps, has_gate, 
     assert ("level jumps" in gates) == has_gate and count == evaluations
     if has_gate:
         assert gates["level jumps"].value == 30.0 and gates["level jumps"].passed
-    names = ["effect of u", *["level jumps"] * has_gate, "dead time", "gain", "sign", "misfit"]
-    assert list(gates) == names
+    names = ["effect of u", *["level jumps"] * has_gate, "dead time", "gain", "sign"]
+    assert list(gates) == [*names, "misfit", "stability"]
 
 
 def test_the_dead_time_stays_below_the_longest_that_was_tried(gates_of):
