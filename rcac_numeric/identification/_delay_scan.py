@@ -23,6 +23,7 @@ RIDGE = 1e-10  # of the mean square of a column
 TIME_CONSTANTS = 9  # of the grid
 SHORTEST, LONGEST = 0.7, 500.0  # steps, of its time constants
 UNSTABLE = 3.0, 100.0, 6  # steps of time constant, and how many
+NEAR = 2  # poles of that grid of which the best is a start
 WHITENERS = ((ONE, 0), (ONE, 1), (np.array([1.0, -0.8]), 1))  # D and i, with C = 1
 
 
@@ -165,15 +166,17 @@ def unstable_starts(
 ) -> list[tuple[ScanStart, int]]:
     """The best models with a pole outside the circle, and the differences of their noise.
 
-    Of a grid of poles, at the best delay, where C is A with that pole reflected: then y goes
+    Of a grid of poles, two beside each other together, at the best delay, where C is A with that pole reflected: then y goes
     through an all-pass, and the errors are those of the output (Forssell and Ljung).
     """
     steps, results = record.steps, []
     u_y = np.stack([record.u, record.y])
     impulse = np.eye(1, steps)[0]
     grid = []
-    for p in np.exp(1 / np.geomspace(*UNSTABLE)):
+    pole_of: list[int] = []
+    for k, p in enumerate(np.exp(1 / np.geomspace(*UNSTABLE))):
         grid += [(p,), (p, 0.5), (p, 0.9), (p, 1 / p)]
+        pole_of += [k] * 4
     for differences in (0, 1):
         top = DIFFERENCE if differences else ONE
         ys, us, free, denominators = [], [], [], []
@@ -190,9 +193,13 @@ def unstable_starts(
         value = steps * np.log(scan.squares) + cost
         at = value.argmin(axis=1)
         least = value[np.arange(len(at)), at]
-        orders = np.array([len(A) - 1 for A in denominators])
-        for order in (1, 2):
-            j = int(np.where(orders == order, least, np.inf).argmin())
+        # Of each pole's distance from the circle the best: the errors of a start far from the
+        # optimum do not rank them.
+        kinds = np.array(
+            [(len(A) - 1, k // NEAR) for k, A in zip(pole_of, denominators, strict=True)]
+        )
+        for kind in np.unique(kinds, axis=0):
+            j = int(np.where((kinds == kind).all(axis=1), least, np.inf).argmin())
             B = scan.numerators[j, at[j]]
             results.append(
                 (ScanStart(denominators[j], B, int(at[j]), float(least[j])), differences)
