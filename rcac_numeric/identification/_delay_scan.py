@@ -166,8 +166,9 @@ def unstable_starts(
 ) -> list[tuple[ScanStart, int]]:
     """The best models with a pole outside the circle, and the differences of their noise.
 
-    Of a grid of poles, two beside each other together, at the best delay, where C is A with that pole reflected: then y goes
-    through an all-pass, and the errors are those of the output (Forssell and Ljung).
+    Of each two neighbours of a grid of poles, at the best delay, where C is A with that pole
+    reflected: then y goes through an all-pass, and the errors are those of the output (Forssell and
+    Ljung).
     """
     steps, results = record.steps, []
     u_y = np.stack([record.u, record.y])

@@ -157,8 +157,8 @@ def gates_of(monkeypatch):
         stable = Gate("stability", True, 0.0, 0.0, "", "")
         monkeypatch.setattr(steps, "open_loop_gate", lambda *record: stable)
         fit = SimpleNamespace(
-            bic=bic, jumps=jumps, theta=np.array([1.0, 0.5, dead_time]), integrates=False, gain=gain,
-            e=None, parameters=4,
+            bic=bic, jumps=jumps, theta=np.array([1.0, 0.5, dead_time]), integrates=False,
+            gain=gain, e=None, parameters=4,
         )  # fmt: skip
         record = SimpleNamespace(moves=moves, steps=steps_of_record, u=None, y=None)
         worse = SimpleNamespace(bic=1e9, jumps=(), theta=np.array([1.0, 0.5, 0.0]))
