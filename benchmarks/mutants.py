@@ -40,7 +40,7 @@ PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 NOT_CORE = {"cli", "dissertation", "experiments", "export", "plots", "reports", "strategies"}
 LONGEST = 300  # seconds that a mutant's tests may take, waiting included
 PR_SET_PDEATHSIG = 1
-OPTIONS = ["-q", "-p", "no:cacheprovider", "-p", "no:faulthandler", "-n", "0",
+OPTIONS = ["-q", "-p", "no:cacheprovider", "-o", "faulthandler_timeout=0", "-n", "0",
            "--randomly-seed=0", "--randomly-dont-reorganize", "--hypothesis-seed=0"]  # fmt: skip
 
 SWAPPED = {
