@@ -280,6 +280,18 @@ def test_the_cap_holds_where_nothing_is_excited():
     assert np.abs(xs).max() < 0.2
 
 
+@pytest.mark.parametrize("update", [UD, Covariance])
+def test_a_theta_that_leaves_float64_beside_a_finite_P_is_restored(update):
+    """The first gain is about 1000: one z of 1e308 moves theta out of float64, and not P."""
+    controller = Controller(settings_of(update=update, R_theta=1e-10, lambda_=1.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for k in range(12):
+            controller.step(y=1e-3, z=1e308 if k == 8 else 1e-3)
+            assert np.isfinite(controller.theta).all() and np.isfinite(controller.P).all()
+    assert controller.record.troubles["overflow"].first == 8
+
+
 def test_what_is_no_supervision_is_refused():
     with pytest.raises(InputError, match="needs a compensator"):
         Supervision("fallback")
