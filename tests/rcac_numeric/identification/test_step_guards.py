@@ -154,8 +154,10 @@ def gates_of(monkeypatch):
         monkeypatch.setattr(steps, "gain_deviation", lambda samples, integrates, edge: deviation)
         misfit = Gate("misfit", True, 0.0, KNOWN, "", "")
         monkeypatch.setattr(steps, "_misfit", lambda fit, bic, box_jenkins, edge: misfit)
-        stable = Gate("stability", True, 0.0, 0.0, "", "")
-        monkeypatch.setattr(steps, "open_loop_gate", lambda *record: stable)
+        monkeypatch.setattr(
+            steps, "open_loop_gate",
+            lambda u, y, delay, e, parameters: Gate("stability", True, delay, 0.0, "", ""),
+        )  # fmt: skip
         fit = SimpleNamespace(
             bic=bic, jumps=jumps, theta=np.array([1.0, 0.5, dead_time]), integrates=False,
             gain=gain, e=None, parameters=4,
@@ -199,6 +201,11 @@ def test_the_dead_time_stays_below_the_longest_that_was_tried(gates_of):
     for dead_time, passed in ((last - 1, False), (np.nextafter(last - 1, 0), True), (last, False)):
         gate = gates_of(dead_time=dead_time)[0]["dead time"]
         assert (gate.passed, gate.value, gate.limit) == (passed, dead_time, last)
+
+
+def test_the_gate_of_stability_has_the_dead_time_of_the_fit(gates_of):
+    for dead_time, steps_late in ((5.0, 5), (5.6, 6), (0.0, 0)):
+        assert gates_of(dead_time=dead_time)[0]["stability"].value == steps_late
 
 
 def test_the_gain_is_known(gates_of):
