@@ -237,10 +237,18 @@ def leads(u: Array, y: Array) -> bool | None:
 
 
 def _odds_of_cause(first: Array, second: Array, past: Array) -> float:
-    """2 log of the odds that the first signal moves the second, not the second the first."""
+    """2 log of the odds that the first signal moves the second, not the second the first.
+
+    0 where a part of them is rounding: its distribution is none of the signals'.
+    """
     Q, _ = np.linalg.qr(past)
     a, b = first - Q @ (Q.T @ first), second - Q @ (Q.T @ second)
+    least = EXACT**2 * min(float(first @ first), float(second @ second))
+    if not min(float(a @ a), float(b @ b)) > least:
+        return 0.0
     rest_b, rest_a = b - a * (a @ b) / (a @ a), a - b * (a @ b) / (b @ b)
+    if not min(float(rest_a @ rest_a), float(rest_b @ rest_b)) > least:
+        return 0.0
     less = _description(b) + _description(rest_a) - _description(a) - _description(rest_b)
     return 2 * len(a) * less
 

@@ -420,6 +420,7 @@ def test_distributions_show_which_value_of_a_row_moves_the_other(seed, noise, ga
     odds = _odds_of_cause(y, dither + gain * y, past)
     assert odds == pytest.approx(-_odds_of_cause(dither + gain * y, y, past), abs=1e-6)
     assert odds > ODDS if binary else abs(odds) < ODDS
+    assert _odds_of_cause(y, gain * y, past) == _odds_of_cause(past @ [1, 2, 3], y, past) == 0
 
 
 @given(
