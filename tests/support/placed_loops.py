@@ -87,7 +87,7 @@ class Drawn:
         free = (z for z in iter(lambda: decimal(rng, -1.6, 1.6), None) if z not in self.poles)
         self.zeros = [z for z in (next(free) for _ in range(order - 1)) if abs(z) != 1]
         self.gain = decimal(rng, 0.2, 2)
-        self.asked = requested_roots(rng)
+        self.requested = requested_roots(rng)
         self.n_c = order + self.delay + int(rng.integers(0, 2))
 
     @property
@@ -104,7 +104,7 @@ class Drawn:
 
     def target(self, roots=None):
         """G_f of the drawn poles, or of others."""
-        D_p = text(from_roots(self.asked if roots is None else roots))
+        D_p = text(from_roots(self.requested if roots is None else roots))
         return rn.pole_placement_target(self.plant, D_p)
 
     def placing(self, requested=None, plant=None):
@@ -135,7 +135,7 @@ class Drawn:
             )
         ]  # fmt: skip
         stable = [z for z in self.zeros if abs(z) < 1]
-        expected = padded_right(product(from_roots(stable), from_roots(self.asked)), len(ours))
+        expected = padded_right(product(from_roots(stable), from_roots(self.requested)), len(ours))
         q = np.exp(1j * np.linspace(0, np.pi, 2001))
         off = np.polyval(np.array([a - b for a, b in zip(ours, expected, strict=True)], float), q)
         return float(np.max(np.abs(off) / np.abs(np.polyval(np.array(expected, float), q))))
@@ -209,7 +209,7 @@ def missing(seed):
         drawn, run = Drawn(rng), None
         try:
             if kind == 0:
-                moved = list(drawn.asked)
+                moved = list(drawn.requested)
                 if isinstance(moved[0], Pair):
                     moved[0] = Pair(moved[0].real, moved[0].imag + decimal(rng, 0.06, 0.3))
                     if moved[0].real ** 2 + moved[0].imag ** 2 > Fraction(9, 10):
@@ -225,7 +225,7 @@ def missing(seed):
             elif kind == 2:
                 other = Drawn(rng)
                 other.delay, other.poles, other.zeros = drawn.delay, drawn.poles, drawn.zeros
-                other.asked, other.n_c = drawn.asked, drawn.n_c
+                other.requested, other.n_c = drawn.requested, drawn.n_c
                 words, compensator = "the gain of another plant", compensator_of(*other.placing())
             else:
                 run = adapted(drawn, rng, int(rng.integers(80, 200)), 10.0 ** rng.uniform(-1, 3))

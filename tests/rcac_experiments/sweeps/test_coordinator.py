@@ -234,6 +234,14 @@ def test_a_broken_executor_of_a_function_is_made_again_once(begin):
     }  # fmt: skip
 
 
+def with_local_pool(begin, local, monkeypatch):
+    """Let the coordinator fall back to an executor as its local pool."""
+    begin.executors.append(local)
+    ours = Pool(local, 0)
+    ours.is_ours = True
+    monkeypatch.setattr(coordinators, "Pool", lambda executor, workers: ours)
+
+
 def test_a_broken_executor_of_the_user_ends_the_study_with_the_run_that_broke_it(
     begin, monkeypatch
 ):
@@ -244,10 +252,7 @@ def test_a_broken_executor_of_the_user_ends_the_study_with_the_run_that_broke_it
 
     coordinator = begin(Scripted(breaks))
     local = Scripted(losing(7, WorkerLost(WORKER_DIED, "it was killed")))
-    begin.executors.append(local)
-    ours = Pool(local, 0)
-    ours.is_ours = True
-    monkeypatch.setattr(coordinators, "Pool", lambda executor, workers: ours)
+    with_local_pool(begin, local, monkeypatch)
     with pytest.raises(StoreError, match=r"Run 7 \(a = 2\) ends every worker"):
         coordinator.run([1, 2, 3])
     assert list(coordinator.folder.records) == [2]
@@ -264,10 +269,7 @@ def test_an_executor_that_takes_nothing_more_after_a_loss_names_the_run(begin, m
 
     coordinator = begin(Nannies(losing(3, RuntimeError("KilledWorker"))), window=1)
     local = Scripted(losing(3, WorkerLost(WORKER_DIED, "it was killed")))
-    begin.executors.append(local)
-    ours = Pool(local, 0)
-    ours.is_ours = True
-    monkeypatch.setattr(coordinators, "Pool", lambda executor, workers: ours)
+    with_local_pool(begin, local, monkeypatch)
     with pytest.raises(StoreError, match=r"Run 3 \(a = 1\) ends every worker"):
         coordinator.run([1, 2])
     assert list(coordinator.folder.records) == [1]

@@ -49,12 +49,12 @@ def test_only_real_zeros_near_minus_one_that_the_target_lacks(zeros, left):
     plant = rn.standard_plant(f"{zeros}/((q - 0.5)*(q - 0.6)*(q - 0.7))")
     d_zu = modelling_information(plant).d_zu
 
-    def said(target):
+    def remedies(target):
         return sampling_zero_remedies(
             plant, rn.fir_target(rn.ModellingInformation(d_zu, 1, target))
         )
 
-    assert bool(said([])) == bool(left) and all(zero in said([])[0] for zero in left)
-    assert said([-1] * len(left)) == ()
+    assert bool(remedies([])) == bool(left) and all(zero in remedies([])[0] for zero in left)
+    assert remedies([-1] * len(left)) == ()
     if len(left) == 2:
-        assert said([-1])[0].startswith("the zero ")
+        assert remedies([-1])[0].startswith("the zero ")
