@@ -33,7 +33,7 @@ from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._substitution import denominators_in
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import as_symbol
+from compensator_theory.polynomials._variables import as_symbol, require_discrete
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._transfer_functions import TransferFunction
@@ -361,14 +361,12 @@ def _read_model(
 ) -> Realisation:
     """Return the block observable form of a transfer function or of (b, a)."""
     if isinstance(model, tuple) and len(model) == 2:
+        q = as_symbol("q" if variable is None else variable)
+        require_discrete(q, "predictive cost adaptive control")
         b, a = (_blocks(cast("Any", part), name) for part, name in zip(model, "ba", strict=True))
-        return _block_observable_form(b, a, as_symbol("q" if variable is None else variable))
+        return _block_observable_form(b, a, q)
     G = transfer_function(cast("TransferFunctionLike", model), variable)
-    if str(G.variable) == "s":
-        raise InputError(
-            "the model is in continuous time; sample it first, for instance by "
-            "compensator_theory.sampling.tustin"
-        )
+    require_discrete(G.variable, "predictive cost adaptive control")
     if not G.is_strictly_proper:
         raise ImproperError("the model has a direct feedthrough; add a delay of one step")
     D = G.denominator.monic()

@@ -119,7 +119,8 @@ def require_discrete(variable: Symbol, subject: str) -> None:
         meaning = " and means continuous time" if variable.name in CONTINUOUS else ""
         raise InputError(
             f"{subject} is for discrete time, but the variable is {variable}{meaning}; write the "
-            "plant in z or q (discretise a continuous one first)"
+            "plant in z or q (sample a continuous one first, for instance by "
+            "compensator_theory.sampling.tustin)"
         )
 
 

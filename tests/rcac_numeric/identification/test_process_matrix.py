@@ -322,8 +322,9 @@ def test_models_with_an_entry_that_was_left_out_are_rivals():
     rng = np.random.default_rng(5)
     u = rng.standard_normal((300, 2))
     u[:, 1] = 0.8 * u[:, 0] + 0.6 * u[:, 1]
-    y = lfilter([0, 0.04], [1, -0.69], u[:, 0]) + lfilter([0, 0.36], [1, -0.61], u[:, 1])
-    search = matrix_search(u, y + 0.3 * rng.standard_normal(300)).searches[0]
+    weak = lfilter([0, 0.04], [1, -0.69], u[:, 0]) + lfilter([0, 0.36], [1, -0.61], u[:, 1])
+    y = np.c_[weak + 0.3 * rng.standard_normal(300), lfilter([0, 1], [1, -0.5], u[:, 0])]
+    search = matrix_search(u, y + 0.01 * rng.standard_normal(y.shape)).searches[0]
     assert search.inputs == (1,) and search.larger
     best = min(one.bic for one in search.rivals)
     for one in search.larger:
