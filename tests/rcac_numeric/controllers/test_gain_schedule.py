@@ -135,7 +135,7 @@ def test_a_run_is_resumed_shown_and_healthy(tmp_path):
         rn.simulate(PLANT, scheduled(), w, saturation=rn.Saturation(low=-1, high=1))
     with pytest.raises(InputError, match="has no freeze"):
         rn.frozen_twin(whole, 10)
-    with pytest.raises(InputError, match="which only `simulate` runs"):
+    with pytest.raises(InputError, match="`simulate` runs it"):
         rn.simulate_many([rn.SimulationCase(PLANT, scheduled(), w)])
 
 
