@@ -523,7 +523,9 @@ def design(
     questions += _remaining_questions(model, expected, by_name[FIXED], verdict)
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict, questions=questions,
-        reasons=reasons_of(model, reference, expected, settings, TuningParameters(), certified),
+        reasons=reasons_of(
+            model, reference, expected, settings, TuningParameters(), certified, basis.rivals
+        ),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
         uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
@@ -555,6 +557,8 @@ class _DesignOptions:
 
 
 F = TypeVar("F")
+SLOWED = 3  # times that a controller is made slower for the credible plants it loses
+SLOWER_PASSES = {"gain", "rivals", "draws", "parts", "halves"}  # gates that a slower loop may pass
 
 
 class _LogSearches(Protocol[F]):
@@ -566,6 +570,7 @@ class _LogSearches(Protocol[F]):
     def judged(self, fit: F, logged: Any, G_c: Compensator, peak: float) -> (
         LoggedPlant | LoggedMatrix
     ): ...  # fmt: skip
+    def lost(self, fit: F, logged: Any, G_c: Compensator) -> list[DesignPlant]: ...
     def undecided(self, gates: tuple[Gate, ...]) -> UndecidedError: ...
 
 
@@ -581,6 +586,7 @@ class _Basis:
     reference: Reference
     logged: LoggedPlant | LoggedMatrix | None
     obstacle: str = ""  # why the best model of the log is not used
+    rivals: int = 0  # credible models of the log that slowed the controller down
     truncation: tuple[str, str] | None = None  # assumption and evidence, for a plant of many states
     blocked: tuple[float, ...] = ()  # frequencies of d that a zero of the plant blocks
 
@@ -590,6 +596,7 @@ def _basis_of(
     usual: Uncertainty,
     around: _DesignOptions,
     logged: LoggedPlant | LoggedMatrix | None = None,
+    rivals: Sequence[DesignPlant] = (),
 ) -> _Basis:
     refuse_states(model)
     u_range = _range(around.saturation)
@@ -598,7 +605,7 @@ def _basis_of(
     )
     uncertain = around.uncertainty or usual
     cases = variations(model, uncertain)
-    grid = WeightGrid(model, expected, u_range, cases, around.saturation)
+    grid = WeightGrid(model, expected, u_range, cases, around.saturation, rivals)
     structure = around.structure
     if structure is not None and model.m > 1:
         raise InputError(f"structure = {structure.name} is for one input and output; leave it out.")
@@ -684,6 +691,7 @@ def _basis_of_log(
 def _basis_of_search(search: _LogSearches[F], around: _DesignOptions) -> _Basis:
     first: tuple[Gate, ...] = ()
     obstacle: NoSolutionError | InputError | None = None
+    rejected: tuple[F, LoggedPlant | LoggedMatrix, _Basis] | None = None
     is_first = False  # the obstacle is that of the best model
     for count, fit in enumerate(search.candidates()):
         if first and count >= TRIED:
@@ -701,13 +709,49 @@ def _basis_of_search(search: _LogSearches[F], around: _DesignOptions) -> _Basis:
             obstacle = obstacle or type(error)(f"{why}{error}")
             continue
         judged = search.judged(fit, logged, basis.reference.compensator, basis.reference.peak)
-        if all(gate.passed for gate in judged.model.gates):
+        if _passes(judged):
             reason = "" if obstacle is None else str(obstacle)
             return replace(basis, logged=judged, obstacle=reason)
         first = first or judged.model.gates
+        rejected = rejected or (fit, logged, replace(basis, logged=judged))
     if obstacle is not None and (is_first or not first):
         raise obstacle
+    slower = rejected and _slower_basis(search, *rejected, around)
+    if slower:
+        return slower
     raise search.undecided(first)
+
+
+def _passes(logged: LoggedPlant | LoggedMatrix) -> bool:
+    return all(gate.passed for gate in logged.model.gates)
+
+
+def _slower_basis(
+    search: _LogSearches[F], fit: F, logged: LoggedPlant | LoggedMatrix, basis: _Basis,
+    around: _DesignOptions,
+) -> _Basis | None:  # fmt: skip
+    """The basis whose controller holds the credible plants that the first one lost, too.
+
+    The plants that each controller loses are added, until one passes every gate. None where a gate
+    fails that no controller passes, such as that of the sign.
+    """
+    rivals: list[DesignPlant] = []
+    for _ in range(SLOWED):
+        assert basis.logged is not None
+        failed = {gate.name for gate in basis.logged.model.gates if not gate.passed}
+        lost = search.lost(fit, logged, basis.reference.compensator)
+        if not failed <= SLOWER_PASSES or not lost:
+            return None
+        rivals += lost
+        try:
+            basis = _basis_of(logged.plant, logged.uncertainty, around, logged, rivals)
+        except (NoSolutionError, BudgetError):
+            return None
+        judged = search.judged(fit, logged, basis.reference.compensator, basis.reference.peak)
+        basis = replace(basis, logged=judged, rivals=len(rivals))
+        if _passes(judged):
+            return basis
+    return None
 
 
 def _expected(
@@ -1035,7 +1079,7 @@ def _remaining_questions(
 
 def reasons_of(
     model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings,
-    parameters: TuningParameters, certified: CertifiedSet | str | None = None,
+    parameters: TuningParameters, certified: CertifiedSet | str | None = None, rivals: int = 0,
 ) -> tuple[Reason, ...]:  # fmt: skip
     """The reasons of the settings."""
     n_c, structure = reference.compensator.n_c, settings.structure
@@ -1052,7 +1096,8 @@ def reasons_of(
     )
     weights = f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}"
     modelled = f"; with {parts} for the disturbance" if parts else ""
-    chosen = f"{weights}: the smallest u among errors within 10 % of the least"
+    held = f" of the loops that hold {rivals} more models credible by the log" if rivals else ""
+    chosen = f"{weights}: the smallest u among errors within 10 % of the least{held}"
     fixed = f"LQG of order {n_c}", f"{chosen}{robust}{modelled}"
     more = (
         f" and {parameters.spare} more" if parameters.spare else "; a higher order costs robustness"

@@ -33,6 +33,16 @@ Part = tuple[ProcessRecord, ProcessFit] | None
 
 
 @dataclass(frozen=True, eq=False)
+class Rival:
+    """A credible model beside the one that is handed out."""
+
+    plant: DesignPlant
+    order: int
+    delay: int
+    is_unstable: bool
+
+
+@dataclass(frozen=True, eq=False)
 class GateLoop:
     """The loop of a controller with a model, for the gates.
 
@@ -72,6 +82,12 @@ class GateLoop:
         """Whether Ms with an unstable plant is at most that of an unstable model."""
         L = plant.response(OMEGA)[:, 0, 0] * responses_of(self.parts, OMEGA)[:, 0, 0]
         return bool(np.max(1 / np.abs(1 + L)) <= UNSTABLE_ROBUST)
+
+    def holds(self, rival: Rival) -> bool:
+        """Whether the loop with a rival is stable, and robust if the rival is unstable."""
+        return self.stabilises(rival.plant) and (
+            not rival.is_unstable or self.is_robust(rival.plant)
+        )
 
 
 def gate_loop(plant: DesignPlant, compensator: Compensator, every: int = 1) -> GateLoop:
@@ -129,19 +145,25 @@ def controller_gates(
     )  # fmt: skip
     sign = sign_gate(search, fit, loop.crossover / LOW / loop.every)
     return (
-        gain, sign, rivals_gate(search, fit, loop, sample_time), remainder,
+        gain, sign, rivals_gate(loop, rivals_of(search, fit, sample_time, loop.every)), remainder,
         _halves(loop, parts), robust,
     )  # fmt: skip
 
 
-def rivals_gate(
-    search: ProcessSearch, fit: ProcessFit, loop: GateLoop, sample_time: float | None
-) -> Gate:
-    """Whether the controller stabilises every credible model and delay.
+def lost_plants(
+    search: ProcessSearch, fit: ProcessFit, loop: GateLoop,
+    parts: Sequence[tuple[Part, DesignPlant | None]], sample_time: float | None,
+) -> list[DesignPlant]:  # fmt: skip
+    """The credible plants, and those of the parts, that the controller does not hold."""
+    rivals = rivals_of(search, fit, sample_time, loop.every)
+    lost = [one.plant for one in rivals if not loop.holds(one)]
+    return lost + [plant for plant in _known_parts(loop, parts) if not loop.stabilises(plant)]
 
-    Unstable ones robustly: with a narrow margin the controller loses a plant beside the model, and
-    the pole of an unstable model is known less well than the response of a stable one.
-    """
+
+def rivals_of(
+    search: ProcessSearch, fit: ProcessFit, sample_time: float | None, every: int
+) -> list[Rival]:
+    """The other credible models, and the model with its other credible delays."""
     unit_u, unit_y = search.record.units
     models: dict[tuple[object, ...], tuple[Array, Array, int]] = {}
     for one in [*search.fits, *search.jumped]:
@@ -149,32 +171,50 @@ def rivals_gate(
             models.setdefault(one.key, (one.B, one.denominator, one.delay))
     for B, delay in credible_delays(search, fit):
         models.setdefault(("delay", delay), (B, fit.denominator, delay))
-    lost = []
-    for B, A, delay in models.values():
-        plant = design_plant(B, A, delay, unit_y / unit_u, sample_time, loop.every)
-        is_unstable = bool((np.abs(np.roots(A)) > UNSTABLE).any())
-        if not loop.stabilises(plant) or (is_unstable and not loop.is_robust(plant)):
-            lost.append(f", and not order {len(A) - 1} with delay {delay}")
+    return [
+        Rival(
+            design_plant(B, A, delay, unit_y / unit_u, sample_time, every), len(A) - 1, delay,
+            bool((np.abs(np.roots(A)) > UNSTABLE).any()),
+        )
+        for B, A, delay in models.values()
+    ]  # fmt: skip
+
+
+def rivals_gate(loop: GateLoop, rivals: Sequence[Rival]) -> Gate:
+    """Whether the controller stabilises every credible model and delay.
+
+    Unstable ones robustly: with a narrow margin the controller loses a plant beside the model, and
+    the pole of an unstable model is known less well than the response of a stable one.
+    """
+    lost = [one for one in rivals if not loop.holds(one)]
+    example = f", and not order {lost[0].order} with delay {lost[0].delay}" if lost else ""
     return Gate(
         "rivals", not lost, float(len(lost)), 0.0,
-        f"the fixed controller stabilises {len(models) - len(lost)} of {len(models)} credible "
-        f"models, unstable ones with Ms of at most {UNSTABLE_ROBUST:g}{''.join(lost[:1])}",
+        f"the fixed controller stabilises {len(rivals) - len(lost)} of {len(rivals)} credible "
+        f"models, unstable ones with Ms of at most {UNSTABLE_ROBUST:g}{example}",
         "Several plants fit the record and need different controllers: excite u more, record "
         "longer, or give the dead time.",
     )  # fmt: skip
 
 
-def _halves(loop: GateLoop, parts: Sequence[tuple[Part, DesignPlant | None]]) -> Gate:
-    """Whether the controller stabilises the models of the parts that know their gain."""
-    judged = lost = 0
+def _known_parts(
+    loop: GateLoop, parts: Sequence[tuple[Part, DesignPlant | None]]
+) -> list[DesignPlant]:
+    """The plants of the parts that know their gain about the crossover."""
+    plants = []
     for part, plant in parts:
         if part is None or plant is None:
             continue
         record, fit = part
-        if np.max(loop.weight * relative_deviation(record, fit, loop.omega)) > KNOWN:
-            continue
-        judged += 1
-        lost += not loop.stabilises(plant)
+        if not np.max(loop.weight * relative_deviation(record, fit, loop.omega)) > KNOWN:
+            plants.append(plant)
+    return plants
+
+
+def _halves(loop: GateLoop, parts: Sequence[tuple[Part, DesignPlant | None]]) -> Gate:
+    """Whether the controller stabilises the models of the parts that know their gain."""
+    plants = _known_parts(loop, parts)
+    judged, lost = len(plants), sum(not loop.stabilises(plant) for plant in plants)
     return Gate(
         "halves", not lost, float(lost), 0.0,
         f"the fixed controller stabilises the models of {judged - lost} of the {judged} halves of "

@@ -14,7 +14,13 @@ from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.controllers._compensator import Compensator
-from rcac_numeric.designing._log_gates import Part, controller_gates, design_plant, gate_loop
+from rcac_numeric.designing._log_gates import (
+    Part,
+    controller_gates,
+    design_plant,
+    gate_loop,
+    lost_plants,
+)
 from rcac_numeric.designing._plants import LONGEST_DELAY, LOW, DesignPlant, Uncertainty
 from rcac_numeric.designing._reference import sensitivity_peak
 from rcac_numeric.identification._box_jenkins import ProcessFit
@@ -251,6 +257,11 @@ class LogSearch:
         )  # fmt: skip
         model = replace(logged.model, gates=(*logged.model.gates, *gates))
         return replace(logged, model=model)
+
+    def lost(self, fit: ProcessFit, logged: LoggedPlant, G_c: Compensator) -> list[DesignPlant]:
+        """The credible plants that a controller does not hold."""
+        loop = gate_loop(logged.plant, G_c, logged.every)
+        return lost_plants(self.search, fit, loop, self.parts(fit), self.sample_time)
 
     def _plant(self, fit: ProcessFit, every: int) -> DesignPlant:
         unit_u, unit_y = self.search.record.units

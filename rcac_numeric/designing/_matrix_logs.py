@@ -35,7 +35,15 @@ from rcac_numeric.identification._joint_evidence import (
     response_slopes,
     sign_of,
 )
-from rcac_numeric.identification._joint_fits import JointFit, joint_covariance, joint_residual
+from rcac_numeric.identification._joint_fits import (
+    JointFit,
+    joint_covariance,
+    joint_fit,
+    joint_residual,
+    student_weights,
+)
+from rcac_numeric.identification._joint_records import JointRecord
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_evidence import (
     KNOWN,
     MISFIT,
@@ -53,6 +61,7 @@ from rcac_numeric.identification._process_matrix import (
 
 TRIED = 4  # combinations of credible models for which a controller is designed
 DRAWS = 40  # models drawn from the covariance
+SHARES = (1.0, 0.5, 0.25)  # of a draw, until it is credible
 SEED = 49
 ROBUST = 4.0  # Ms of the reference loop with the model of a part
 
@@ -136,6 +145,10 @@ def joined_logs(logs: Sequence[ControllerLog]) -> tuple[Array, Array, tuple[int,
     )  # fmt: skip
 
 
+_Plants = list[DesignPlant]
+_Kept = tuple[tuple[JointFit, ...], tuple[_Plants, _Plants, _Plants]]
+
+
 class MatrixLogSearch:
     """The models of logs in the order in which controllers are designed for them.
 
@@ -174,6 +187,7 @@ class MatrixLogSearch:
             for j in range(len(one.record.u))
         )  # fmt: skip
         self.range = float(np.nanmin(u)), float(np.nanmax(u))
+        self._kept: _Kept | None = None  # for the last models that were judged
 
     def candidates(self) -> Iterator[tuple[JointFit, ...]]:
         """The best model of each output; then with the next credible one of each in turn."""
@@ -234,11 +248,27 @@ class MatrixLogSearch:
         self, fits: tuple[JointFit, ...], logged: LoggedMatrix, G_c: Compensator, peak: float
     ) -> LoggedMatrix:
         """The plant with the gates of its controller beside the others."""
-        of_e = Compensator(
-            G_c.past_u, G_c.past_y[:, :, : logged.plant.m], G_c.sample_time
-        )  # fmt: skip
-        gates = self.controller_gates(fits, logged, of_e.state_space(), peak)
+        gates = self.controller_gates(fits, logged, _of_e(G_c, logged), peak)
         return replace(logged, model=replace(logged.model, gates=(*logged.model.gates, *gates)))
+
+    def lost(
+        self, fits: tuple[JointFit, ...], logged: LoggedMatrix, G_c: Compensator
+    ) -> list[DesignPlant]:
+        """The credible plants that a controller does not stabilise."""
+        parts = _of_e(G_c, logged)
+        plants = [plant for kind in self._others(fits, logged.every) for plant in kind]
+        return [plant for plant in plants if not loop_radius(plant.servo(), parts) < 1]
+
+    def _others(self, fits: tuple[JointFit, ...], every: int) -> tuple[_Plants, _Plants, _Plants]:
+        """The plants of rivals, of draws and of the parts of the log."""
+        if self._kept is None or self._kept[0] is not fits:
+            with np.errstate(all="ignore"):
+                kinds = self._rivals(fits), self._drawn(fits), self.parts(fits)
+                rivals, drawn, parts = (
+                    [self.plant(one, every) for one in models] for models in kinds
+                )
+            self._kept = fits, (rivals, drawn, parts)
+        return self._kept[1]
 
     def controller_gates(
         self, fits: tuple[JointFit, ...], logged: LoggedMatrix, controller: StateSpace, peak: float
@@ -312,11 +342,10 @@ class MatrixLogSearch:
             "No controller of the weight grid is robust for this model: sample more slowly.",
         )  # fmt: skip
 
-        def lost(models: Sequence[Sequence[JointFit]]) -> int:
-            plants = [self.plant(one, every) for one in models]
+        def lost(plants: Sequence[DesignPlant]) -> int:
             return sum(not loop_radius(plant.servo(), parts) < 1 for plant in plants)
 
-        rivals, drawn, of_parts = self._rivals(fits), self._drawn(fits), self.parts(fits)
+        rivals, drawn, of_parts = self._others(fits, every)
         count = [lost(rivals), lost(drawn), lost(of_parts)]
         return (
             gain, *signs,
@@ -364,16 +393,10 @@ class MatrixLogSearch:
             values, vectors = np.linalg.eigh(joint_covariance(one.record, fit))
             roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
         for _ in range(DRAWS):
-            models = []
-            for fit, root in zip(fits, roots, strict=True):
-                step, channels = root @ rng.standard_normal(len(root)), []
-                for channel, place in zip(fit.channels, fit.places, strict=True):
-                    n = channel.order
-                    moved = step[place]
-                    A = confined(channel.A + np.r_[0.0, moved[:n]], CIRCLE)
-                    channels.append(replace(channel, A=A, B=channel.B + moved[n:]))
-                models.append(replace(fit, channels=tuple(channels)))
-            draws.append(tuple(models))
+            draws.append(tuple(
+                _credible_step(one.record, fit, root @ rng.standard_normal(len(root)))
+                for one, fit, root in zip(self.search.searches, fits, roots, strict=True)
+            ))  # fmt: skip
         return draws
 
     def undecided(self, gates: tuple[Gate, ...]) -> UndecidedError:
@@ -384,6 +407,33 @@ class MatrixLogSearch:
             f"{self.source} does not determine the plant well enough for a controller. Failed: "
             f"{words}. {failed[0].advice}"
         )
+
+
+def _credible_step(record: JointRecord, fit: JointFit, step: Array) -> JointFit:
+    """The fit with its coefficients moved, by the largest of some shares that is credible.
+
+    A covariance is that of a parabola; where a pole and a zero nearly cancel the likelihood is far
+    from one, and most models of the ellipsoid do not fit the record.
+    """
+    weights = student_weights(record, fit) if fit.heavy else None
+    at_rest = joint_fit(record, fit.start, iterations=0, weights=weights)
+    for share in SHARES:
+        channels = []
+        for channel, place in zip(fit.channels, fit.places, strict=True):
+            n, moved = channel.order, share * step[place]
+            A = confined(channel.A + np.r_[0.0, moved[:n]], CIRCLE)
+            channels.append(replace(channel, A=A, B=channel.B + moved[n:]))
+        model = replace(fit, channels=tuple(channels))
+        again = joint_fit(record, model.start, iterations=0, weights=weights)
+        if again is not None and at_rest is not None and again.bic < at_rest.bic + ODDS:
+            return model
+    return fit
+
+
+def _of_e(G_c: Compensator, logged: LoggedMatrix) -> StateSpace:
+    """The controller from e to u, without its command."""
+    past_y = G_c.past_y[:, :, : logged.plant.m]
+    return Compensator(G_c.past_u, past_y, G_c.sample_time).state_space()
 
 
 def search_of_logs(

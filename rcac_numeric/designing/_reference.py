@@ -41,6 +41,9 @@ TRIED = 1000  # steps of a simulation with the actuator
 NEARLY = 1.1  # times the least rms of the error: among those the one with least u is taken
 LEARNING = 1_000  # the first seed of the runs that choose settings
 BIAS, SLOPE = "bias", "bias_bias"  # models of a constant and of a ramp, an integrated constant
+# Where rivals of a model are to be held, too, slower loops are tried.
+SLOWER = (1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0)
+SLOWER_OBSERVER = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
 LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: one at 1 is not stabilisable
 DRIFT = 1e-2  # of the disturbance: how far it moves in a step
 LEAST_NOISE = 1e-5  # of the disturbance's effect on y: LQG without noise has no margins
@@ -176,6 +179,7 @@ class WeightGrid:
     def __init__(
         self, plant: DesignPlant, expected: Expected, u_range: float = np.inf,
         others: Sequence[Variation] = (), saturation: Saturation | None = None,
+        rivals: Sequence[DesignPlant] = (),
     ) -> None:  # fmt: skip
         self.plant, self.units = plant, (expected.size, plant.low_gain * expected.size)
         self.expected, self.saturation = expected, saturation
@@ -188,7 +192,9 @@ class WeightGrid:
         self.noise_variance = max(expected.noise / self.units[1], LEAST_NOISE) ** 2
         left = u_range - expected.lasting
         self.most_u = max(left, LEAST_LEFT * u_range) / (3 * self.units[0])
-        self.others, self.instead = others, [_in_units(plant, self.units, one) for one in others]
+        self.others, self.rivals = others, rivals
+        self.instead = [_in_units(plant, self.units, one) for one in others]
+        self.instead += [_in_units(one, self.units) for one in rivals]
 
     def judged(self, parts: StateSpace, most: float = np.inf) -> LoopEvaluation:
         """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid.
@@ -212,7 +218,9 @@ class WeightGrid:
     def candidates(self) -> Iterator[tuple[float, float, StateSpace]]:
         """Yield R_2, V_2 and the LQG controller of every candidate that exists."""
         free = self.saturation is None
-        factors = (CONTROL if free else CALMER), (NOISE if free else NOISIER)
+        factors = (CONTROL, NOISE) if free else (CALMER, NOISIER)
+        if free and self.rivals:
+            factors = SLOWER, SLOWER_OBSERVER
         yield from _grid_candidates(
             self.scaled, self.models, self.noise, self.noise_variance, factors
         )
@@ -259,7 +267,7 @@ class WeightGrid:
 
     def without_limits(self) -> WeightGrid:
         """Return the grid for an actuator without limits."""
-        return WeightGrid(self.plant, self.expected, others=self.others)
+        return WeightGrid(self.plant, self.expected, others=self.others, rivals=self.rivals)
 
     def reaches_limits(self, G_c: Compensator) -> bool:
         """Whether u reaches the limits on one of the plants, or a run ends early."""

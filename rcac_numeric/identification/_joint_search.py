@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,8 +30,6 @@ from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_records import DEGREES, JUMP, ROBUST
 from rcac_numeric.identification._process_search import (
-    ALIKE,
-    BESIDE,
     CANCELLED,
     DRIFTING,
     MOST_JUMPS,
@@ -45,6 +43,8 @@ from rcac_numeric.identification._process_search import (
     SLOW,
     USUAL,
     WORSE,
+    cancelling_pairs,
+    hides_a_pair,
 )
 from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 
@@ -207,9 +207,10 @@ class JointSearch:
             return False
         best, changed = self.fits[0], list[JointStart]()
         for i, one in enumerate(best.channels):
-            for other in [*_longer(one), *_shorter(one), *_shifted(one)]:
+            for other in [*_longer(one), *_shorter(one), *_shifted(one), *_unsummed(one)]:
                 channels = (*best.channels[:i], other, *best.channels[i + 1 :])
                 changed.append(replace(best.start, channels=channels))
+        changed += self._without_pairs(best)
         v = joint_disturbance(self.record, best.channels)
         for orders in (*NOISES, *RICHER.values()):
             changed.append(replace(best.start, noise=noise_start(v, orders)))
@@ -398,7 +399,7 @@ class JointSearch:
             if not self.fits:
                 return False
             best = self.fits[0]
-            self._try(best, map(_shorter, best.channels))
+            self._try(best, ([*_shorter(one), *_unsummed(one)] for one in best.channels))
             self._rank()
             if self.fits[0] is best:
                 return count > 0
@@ -425,23 +426,28 @@ class JointSearch:
     def _cancelled(self) -> None:
         """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
         for fit in self.fits[:3]:
-            for i, one in enumerate(fit.channels):
-                for poles, zeros in _pairs(one):
-                    A = np.atleast_1d(np.real(np.poly(np.delete(np.roots(one.A), poles))))
-                    if len(A) == 1:
-                        continue
-                    rest = np.delete(np.roots(one.B), zeros)
-                    B = one.B[0] * np.atleast_1d(np.real(np.poly(rest)))
-                    channels = list(fit.channels)
-                    channels[i] = replace(one, A=A, B=B)
-                    pair = np.roots(one.A)[poles]
-                    C = np.convolve(fit.noise.C, np.real(np.poly(NOTCH * pair)))
-                    D = np.convolve(fit.noise.D, np.real(np.poly(pair)))
-                    start = replace(fit.start, channels=tuple(channels))
-                    self.fit(replace(start, noise=replace(fit.noise, C=C, D=D)))
-                    self.fit(start)
-                    self.fit(replace(start, slope=True))
+            for start in self._without_pairs(fit):
+                self.fit(start)
         self._rank()
+
+    def _without_pairs(self, fit: JointFit) -> Iterator[JointStart]:
+        """Starts without one of the pairs of a pole and a zero, which is in the noise or not."""
+        for i, one in enumerate(fit.channels):
+            for poles, zeros in _pairs(one):
+                A = np.atleast_1d(np.real(np.poly(np.delete(np.roots(one.A), poles))))
+                if len(A) == 1:
+                    continue
+                rest = np.delete(np.roots(one.B), zeros)
+                B = one.B[0] * np.atleast_1d(np.real(np.poly(rest)))
+                channels = list(fit.channels)
+                channels[i] = replace(one, A=A, B=B)
+                pair = np.roots(one.A)[poles]
+                C = np.convolve(fit.noise.C, np.real(np.poly(NOTCH * pair)))
+                D = np.convolve(fit.noise.D, np.real(np.poly(pair)))
+                start = replace(fit.start, channels=tuple(channels))
+                yield replace(start, noise=replace(fit.noise, C=C, D=D))
+                yield start
+                yield replace(start, slope=True)
 
     def _without_cancelled(self) -> None:
         """Leave out models with a pair that all but cancels, where one without it is credible.
@@ -449,7 +455,7 @@ class JointSearch:
         Such a pair is a disturbance of the level or a sinusoid; in a loop it is a hidden mode on
         the circle.
         """
-        plain = [one for one in self.fits if not has_hidden_pair(one)]
+        plain = [one for one in self.fits if not has_hidden_pair(one, self.record.longest)]
         if plain and plain[0].bic <= self.fits[0].bic + ODDS:
             self.fits = plain
 
@@ -575,6 +581,21 @@ def _summed(one: Channel, steps: int) -> list[Channel]:
     return [replace(one, A=A, B=B, summed=True)]
 
 
+def _unsummed(one: Channel) -> list[Channel]:
+    """Without the pole at 1: with the zero beside it left out, which fits a level, or it alone."""
+    if not one.summed:
+        return []
+    A, zeros = np.convolve(one.A, [1, -POLES[-1]]), np.roots(one.B)
+    others = [replace(one, A=A, summed=False)]
+    near = int(np.argmin(np.abs(zeros - 1))) if len(zeros) else 0
+    if one.order and len(zeros) and abs(zeros[near] - 1) < CANCELLED and not zeros[near].imag:
+        B = one.B[np.flatnonzero(one.B)[0]] * np.atleast_1d(
+            np.real(np.poly(np.delete(zeros, near)))
+        )
+        others.append(replace(one, B=B, summed=False))
+    return others
+
+
 def _sinusoid(v: Array) -> tuple[Array, Array] | None:
     """C and D of a sinusoid at the peak of the periodogram of v; None if there is none."""
     steps = len(v)
@@ -588,9 +609,12 @@ def _sinusoid(v: Array) -> tuple[Array, Array] | None:
     return np.real(np.poly([NOTCH * z, NOTCH / z])), np.real(np.poly([RING * z, RING / z]))
 
 
-def has_hidden_pair(fit: JointFit) -> bool:
+def has_hidden_pair(fit: JointFit, steps: int) -> bool:
     """Whether a pole near the circle and a zero all but cancel in a channel."""
-    return any(_pairs(one, ALIKE) for one in fit.channels)
+    return any(
+        hides_a_pair(np.roots(one.denominator) + 0j, np.roots(one.B) + 0j, steps)
+        for one in fit.channels
+    )
 
 
 def _is_endless(one: Channel, steps: int) -> bool:
@@ -600,24 +624,9 @@ def _is_endless(one: Channel, steps: int) -> bool:
     return bool(rings.any())
 
 
-def _pairs(one: Channel, distance: float = CANCELLED) -> list[tuple[list[int], list[int]]]:
-    """Indices of poles near the circle, real or a pair, and of the zeros beside them."""
-    poles, zeros = np.roots(one.A), np.roots(one.B)
-    pairs = []
-    for i, pole in enumerate(poles):
-        count = 1 if abs(pole.imag) < 1e-9 else 2
-        if abs(pole) < BESIDE or pole.imag < -1e-9 or len(zeros) < count:
-            continue
-        near = np.argsort(np.abs(zeros - pole))[0]
-        if abs(zeros[near] - pole) > distance or (abs(zeros[near].imag) < 1e-9) != (count == 1):
-            continue
-        if count == 1:
-            pairs.append(([i], [int(near)]))
-        else:
-            partners = [int(np.argmin(np.abs(roots - root.conj())))
-                        for roots, root in ((poles, pole), (zeros, zeros[near]))]  # fmt: skip
-            pairs.append(([i, partners[0]], [int(near), partners[1]]))
-    return pairs
+def _pairs(one: Channel) -> list[tuple[list[int], list[int]]]:
+    """Indices of poles near the circle, and of the zeros beside them."""
+    return cancelling_pairs(np.roots(one.A) + 0j, np.roots(one.B) + 0j)
 
 
 def _bic(fit: JointFit) -> float:

@@ -14,6 +14,8 @@ from rcac_numeric.identification._process_evidence import Gate
 
 ORDERS = (4, 8, 12, 16)
 OUTSIDE = 1.001  # least modulus of an unstable root
+CONFIRMED = 1.0  # deviations by which a root of another order is outside
+NEAR, NEAR_SHARE = 0.01, 0.3  # distance of the two, and its share of that from the circle
 STEPS_A_COEFFICIENT = 2.5
 LIMIT = float(norm.isf(0.025))  # deviations outside: 95 %, where u responds to y
 OPEN_LIMIT = float(norm.isf(1e-4))  # elsewhere: an unstable plant leaves the range of the sensor
@@ -23,17 +25,28 @@ def unstable_root(record: JointRecord, limit: float) -> complex | None:
     """The root that is outside the circle by most deviations; None if by fewer than the limit.
 
     Of y regressed on its past and that of every input, with a level for each part: whatever the
-    noise is, a long regression has the unstable poles of the plant among its roots.
+    noise is, a long regression has the unstable poles of the plant among its roots. Those of
+    another order have it, too, and an accidental root moves with the order.
     """
-    worst, root = limit, None
+    outside: list[tuple[int, complex, float]] = []
     for order in ORDERS:
         # With every past y observed; and with missing ones interpolated, of which there are more.
         for is_whole in {True, bool(record.observed.all())}:
             regression = _regression(record, order, is_whole)
-            for p, deviation in () if regression is None else regression.roots:
-                if (abs(p) - OUTSIDE) / deviation > worst and abs(p) > OUTSIDE:
-                    worst, root = (abs(p) - OUTSIDE) / deviation, p
-    return root
+            roots = () if regression is None else regression.roots
+            outside += [(order, p, (abs(p) - OUTSIDE) / deviation) for p, deviation in roots]
+    confirmed = [
+        (value, p) for order, p, value in outside
+        if value > limit
+        and any(other != order and also > CONFIRMED and _is_near(p, q)
+                for other, q, also in outside)
+    ]  # fmt: skip
+    return max(confirmed, key=lambda one: one[0])[1] if confirmed else None
+
+
+def _is_near(p: complex, q: complex) -> bool:
+    """Whether roots of two regressions may be the same pole."""
+    return abs(p - q) < NEAR + NEAR_SHARE * max(abs(p) - 1, abs(q) - 1)
 
 
 def largest_root(record: JointRecord) -> tuple[float, float]:

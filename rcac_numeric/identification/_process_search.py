@@ -517,7 +517,7 @@ class ProcessSearch:
         """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
         self._rank()
         for one in list(self.fits[:4]):
-            for poles, zeros in _pairs(_roots(one.A), _roots(one.B)):
+            for poles, zeros in cancelling_pairs(_roots(one.A), _roots(one.B)):
                 rest = np.delete(np.roots(one.A), poles)
                 moved = np.roots(one.A)[poles]
                 A = np.atleast_1d(np.real(np.poly(rest)))
@@ -687,8 +687,14 @@ def _bic(fit: ProcessFit) -> float:
 
 def has_hidden_pair(fit: ProcessFit) -> bool:
     """Whether a pole near the circle and a zero all but cancel: a hidden mode of every loop."""
-    poles, zeros, resolved = fit.poles, _roots(fit.B), RESOLVED / len(fit.e)
-    return bool(_pairs(poles, zeros, ALIKE) or _pairs(poles, zeros, resolved, 1 - resolved / 2))
+    return hides_a_pair(fit.poles, _roots(fit.B), len(fit.e))
+
+
+def hides_a_pair(poles: ComplexArray, zeros: ComplexArray, steps: int) -> bool:
+    """Whether a pole near the circle and a zero all but cancel, as far as a record can tell."""
+    resolved = RESOLVED / steps
+    alike = cancelling_pairs(poles, zeros, ALIKE)
+    return bool(alike or cancelling_pairs(poles, zeros, resolved, 1 - resolved / 2))
 
 
 def _reflection(fit: ProcessFit) -> float:
@@ -722,7 +728,7 @@ def _roots(A: Array) -> ComplexArray:
     return np.asarray(np.roots(A), dtype=np.complex128)
 
 
-def _pairs(
+def cancelling_pairs(
     poles: ComplexArray, zeros: ComplexArray, distance: float = CANCELLED, beside: float = BESIDE
 ) -> list[tuple[list[int], list[int]]]:
     """Indices of poles near the circle, real or a pair, and of the zeros beside them."""

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric import Compensator
-from rcac_numeric.designing._log_gates import GateLoop, rivals_gate
+from rcac_numeric.designing._log_gates import GateLoop, rivals_gate, rivals_of
 from rcac_numeric.identification import identify_process
 from rcac_numeric.identification._box_jenkins import (
     ONE,
@@ -301,7 +301,7 @@ def test_a_credible_unstable_model_must_be_held_with_a_margin():
         fit = SimpleNamespace(armax=True, B=one.B, denominator=np.array([1, -0.5]), delay=0)
         K = Compensator(np.zeros((0, 1, 1)), [[[gain]]])
         loop = GateLoop(K, np.ones(len(OMEGA)), 0.1)
-        assert rivals_gate(search, fit, loop, None).passed is passes
+        assert rivals_gate(loop, rivals_of(search, fit, None, 1)).passed is passes
 
 
 @given(
