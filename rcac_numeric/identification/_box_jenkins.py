@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -468,6 +471,43 @@ def sinusoids(omega: float, steps: int) -> tuple[Array, Array]:
     """A cosine and a sine of a frequency in rad/step."""
     phase = omega * np.arange(steps)
     return np.cos(phase), np.sin(phase)
+
+
+def without_sinusoid(
+    v: Array,
+    near: float,
+    parts: Sequence[slice] | None = None,
+    observed: NDArray[np.bool_] | None = None,
+) -> tuple[float, Array]:
+    """The frequency near one whose sinusoid explains most of v; v less it, level and slope.
+
+    By least squares, which is efficient in coloured noise, too. Each part has its own phase.
+    """
+    parts = parts or [slice(0, len(v))]
+    observed = np.ones(len(v), dtype=bool) if observed is None else observed
+
+    def remainder(omega: float) -> Array:
+        rest = v.copy()
+        for part in parts:
+            steps = part.stop - part.start
+            waves = np.stack([np.ones(steps), np.linspace(-1, 1, steps), *sinusoids(omega, steps)])
+            seen = observed[part]
+            rest[part] -= np.linalg.lstsq(waves[:, seen].T, v[part][seen], rcond=None)[0] @ waves
+        return rest
+
+    def square(omega: float) -> float:
+        return float(np.sum(remainder(omega)[observed] ** 2))
+
+    width = np.pi / max(part.stop - part.start for part in parts)
+    grid = near + np.linspace(-1, 1, 9) * width
+    omega = float(min(grid[grid > 0], key=square))
+    finer = minimize_scalar(
+        square, bounds=(max(omega - width / 4, 0.1 * omega), omega + width / 4), method="bounded",
+        options={"xatol": 1e-4 * width},
+    )  # fmt: skip
+    if finer.fun < square(omega):
+        omega = float(finer.x)
+    return omega, remainder(omega)
 
 
 def weighted_fit(record: ProcessRecord, fit: ProcessFit, rounds: int = 4) -> ProcessFit:

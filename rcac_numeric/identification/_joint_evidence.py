@@ -63,10 +63,13 @@ def _without(search: JointSearch, fit: JointFit, j: int) -> list[JointFit]:
     rest = tuple(one for one in fit.channels if one.input != j)
     v = joint_disturbance(record, rest)
     has_slope = fit.slope or any(one.summed for one in fit.channels)
-    starts = [JointStart(rest, noise_start(v, orders), has_slope) for orders in RICHER.values()]
-    starts += [JointStart(rest, fit.noise, slope) for slope in {fit.slope, has_slope}]
+    starts = [
+        JointStart(rest, noise_start(v, orders), has_slope, fit.sinusoid)
+        for orders in RICHER.values()
+    ]
+    starts += [JointStart(rest, fit.noise, slope, fit.sinusoid) for slope in {fit.slope, has_slope}]
     freed = tuple(replace(one, B=np.zeros(0)) if one.input == j else one for one in fit.channels)
-    starts.append(JointStart(freed, fit.noise, fit.slope))
+    starts.append(replace(fit.start, channels=freed))
     fits = [joint_fit(record, start) for start in starts]
     alone = [one for one in fits if one is not None]
     return [reweighted(record, one) for one in alone] if fit.heavy else alone
@@ -87,7 +90,7 @@ def jumps_of(search: JointSearch, fit: JointFit, j: int) -> float | None:
     v = joint_disturbance(record, rest)
     without = np.inf
     for noise in [noise_start(v, orders) for orders in NOISES]:
-        alone = joint_fit(record, JointStart(rest, noise))
+        alone = joint_fit(record, JointStart(rest, noise, sinusoid=fit.sinusoid))
         if alone is None:
             continue
         y, jumps = _less_jumps(record, alone)
@@ -293,7 +296,8 @@ def joint_parts(search: JointSearch, fit: JointFit) -> Iterator[tuple[int, Joint
         if not moving:
             continue
         noise: NoiseModel = fit.noise
-        again = joint_fit(part, JointStart(tuple(moving), noise, fit.slope), iterations=15)
+        start = JointStart(tuple(moving), noise, fit.slope, fit.sinusoid)
+        again = joint_fit(part, start, iterations=15)
         if again is not None and fit.heavy:
             again = reweighted(part, again, 2)
         if again is None:

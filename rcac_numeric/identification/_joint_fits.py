@@ -22,6 +22,7 @@ from rcac_numeric.identification._box_jenkins import (
     confined,
     minimised,
     response_of,
+    sinusoids,
 )
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._process_records import DEGREES
@@ -71,17 +72,20 @@ class JointStart:
     channels: tuple[Channel, ...]
     noise: NoiseModel
     slope: bool = False
+    sinusoid: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class JointFit:
-    """y = sum of channels + level of each part (+ slopes) + C/(D (1 - q^-1)^i) e.
+    """y = sum of channels + level of each part (+ slope, sinusoid) + C/(D (1 - q^-1)^i) e.
 
     Attributes
     ----------
     channels : tuple of Channel
     noise : NoiseModel
     slope : bool
+    sinusoid : float
+        Frequency of a sinusoid beside each level, in rad/step; 0 where there is none.
     e : array
         The prediction errors of the observed steps, over the roots of their variances.
     jacobian : array, shape (parameters, steps)
@@ -95,6 +99,7 @@ class JointFit:
     channels: tuple[Channel, ...]
     noise: NoiseModel
     slope: bool
+    sinusoid: float
     e: Array
     jacobian: Array
     parameters: int
@@ -104,13 +109,14 @@ class JointFit:
     @property
     def start(self) -> JointStart:
         """What another fit may begin at."""
-        return JointStart(self.channels, self.noise, self.slope)
+        return JointStart(self.channels, self.noise, self.slope, self.sinusoid)
 
     @property
     def key(self) -> tuple[object, ...]:
         """What the model is."""
         return (
             tuple(one.key for one in self.channels), self.noise.differences, self.slope,
+            self.sinusoid > 0,
         )  # fmt: skip
 
     def channel(self, j: int) -> Channel | None:
@@ -135,7 +141,8 @@ class _JointErrors:
         self.plant = sum(n + m for n, m in self.sizes)
         self.has_slope = start.slope or any(one.summed for one in start.channels)
         self.whole = [bool(record.observed[part].all()) for part in record.parts]
-        each = 1 + self.has_slope + sum(n for n, _ in self.sizes)
+        self.fixed = 1 + self.has_slope + 2 * bool(start.sinusoid)
+        each = self.fixed + sum(n for n, _ in self.sizes)
         self.free = sum(
             min(each, int(np.count_nonzero(record.observed[part]))) for part in record.parts
         )
@@ -187,6 +194,8 @@ class _JointErrors:
             known = [np.ones(steps)]
             if self.has_slope:
                 known.append(np.linspace(0, 1, steps))
+            if self.start.sinusoid:
+                known += sinusoids(self.start.sinusoid, steps)
             known += [
                 np.concatenate([np.zeros(k), response[: steps - k]])
                 for response, (n, _) in zip(responses, self.sizes, strict=True)
@@ -258,7 +267,7 @@ class _JointPoint:
         errors, record = self.errors, self.errors.record
         polynomials, noise = errors.split(self.theta)
         v, x = self.v.copy(), [one.copy() for one in self.x]
-        first = 1 + errors.has_slope
+        first = errors.fixed
         for piece, part in zip(self.pieces, record.parts, strict=True):
             v[part], free = piece.remainder()
             if free is None:
@@ -328,13 +337,13 @@ def joint_fit(
     polynomials, noise = errors.split(point.theta)
     e = e[record.observed]
     gauss, student, _ = record.likelihood(e)
-    parameters = len(point.theta) + errors.free + 1
+    parameters = len(point.theta) + errors.free + 1 + bool(start.sinusoid)
     bic = record.count * min(gauss, student) + parameters * float(np.log(record.count))
     channels = tuple(
         replace(one, A=A, B=B) for one, (A, B) in zip(start.channels, polynomials, strict=True)
     )
     return JointFit(
-        channels, noise, start.slope, e, J[:, record.observed], parameters, bic,
+        channels, noise, start.slope, start.sinusoid, e, J[:, record.observed], parameters, bic,
         student < gauss - 0.02,
     )  # fmt: skip
 

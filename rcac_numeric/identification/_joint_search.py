@@ -8,7 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.identification._box_jenkins import ONE, NoiseModel, noise_start
+from rcac_numeric.identification._box_jenkins import (
+    ONE,
+    NoiseModel,
+    noise_start,
+    sinusoids,
+    without_sinusoid,
+)
 from rcac_numeric.identification._delay_scan import (
     LONGEST,
     SHORTEST,
@@ -37,6 +43,7 @@ from rcac_numeric.identification._process_search import (
     NOISES,
     NOTCH,
     PEAK,
+    RESOLVED,
     RICHER,
     RING,
     SHORT,
@@ -50,8 +57,10 @@ from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 
 SWEEPS = 3  # over the inputs, in a start
 MOST_ORDER = 3  # of a channel
+TUNED = 2  # times that a frequency is fitted again beside the plant
 EXTENSIONS = 8  # of the best model
 POLES = (0.2, 0.5, 0.7, 0.85, 0.93, 0.97)  # one of which extends a channel
+SLOWEST = 0.99  # pole of a channel of first order in place of one that oscillates
 KEPT = 6  # models that are refined
 RINGING = 3.0  # (1 - abs(pole)) times the steps: an oscillation that hardly decays
 
@@ -65,7 +74,7 @@ def joint_costs(record: JointRecord) -> Array:
 def channel_scan(
     record: JointRecord, j: int, candidates: Sequence[Array], others: Sequence[Channel],
     noise: NoiseModel, *, count: int, delays: int, slope: bool = False, summed: bool = False,
-    weights: Array | None = None,
+    sinusoid: float = 0.0, weights: Array | None = None,
 ) -> DelayScan:  # fmt: skip
     """All delays of one input for some poles, the numerators of the other inputs free beside.
 
@@ -79,6 +88,9 @@ def channel_scan(
     levels = [np.ones(record.steps)]
     if has_slope:
         levels.append(np.concatenate([np.linspace(0, 1, p.stop - p.start) for p in record.parts]))
+    if sinusoid:
+        waves = [sinusoids(sinusoid, p.stop - p.start) for p in record.parts]
+        levels += [np.concatenate(rows) for rows in zip(*waves, strict=True)]
     plain = record.filtered(top, below, np.stack([record.y, *levels]))
     columns = []
     for one in others:
@@ -156,6 +168,7 @@ class JointSearch:
             lost = max(one.delay + len(one.B) for one in best.channels)
             self._fit_again(record.without_past(lost))
         self._noise()
+        self._sinusoids()
         self._grow()
         self._noise()
         if self._reduce():
@@ -210,7 +223,7 @@ class JointSearch:
             for other in [*_longer(one), *_shorter(one), *_shifted(one), *_unsummed(one)]:
                 channels = (*best.channels[:i], other, *best.channels[i + 1 :])
                 changed.append(replace(best.start, channels=channels))
-        changed += self._without_pairs(best)
+        changed += [*self._without_pairs(best), *self._of_real_poles(best)]
         v = joint_disturbance(self.record, best.channels)
         for orders in (*NOISES, *RICHER.values()):
             changed.append(replace(best.start, noise=noise_start(v, orders)))
@@ -284,14 +297,8 @@ class JointSearch:
     def _begin(self) -> None:
         """From each whitener the poles and delays of all inputs in turn, then short fits."""
         record, short = self.record, list[JointFit]()
-        grid = np.exp(-1 / np.geomspace(
-            SHORTEST, max(10.0, min(record.longest / 4, LONGEST)), TIME_CONSTANTS
-        ))  # fmt: skip
-        candidates: list[Array] = [
-            np.poly(poles).astype(np.float64) for a in grid for poles in ([a], [a, a**2])
-        ]
         for D, differences in WHITENERS:
-            channels = self._swept(candidates, NoiseModel(ONE, D, differences))
+            channels = self._swept(NoiseModel(ONE, D, differences))
             v = joint_disturbance(record, channels)
             for orders in NOISES:
                 start = JointStart(channels, noise_start(v, orders))
@@ -305,9 +312,15 @@ class JointSearch:
                 self._moved(fit)
         self._rank()
 
-    def _swept(self, candidates: Sequence[Array], noise: NoiseModel) -> tuple[Channel, ...]:
+    def _swept(self, noise: NoiseModel) -> tuple[Channel, ...]:
         """Poles and delay of each input in turn, until none moves."""
         record, channels = self.record, dict[int, Channel]()
+        grid = np.exp(-1 / np.geomspace(
+            SHORTEST, max(10.0, min(record.longest / 4, LONGEST)), TIME_CONSTANTS
+        ))  # fmt: skip
+        candidates: list[Array] = [
+            np.poly(poles).astype(np.float64) for a in grid for poles in ([a], [a, a**2])
+        ]
         for sweep in range(SWEEPS if len(self.inputs) > 1 else 1):
             before = {j: one.key for j, one in channels.items()}
             for j in self.inputs:
@@ -329,7 +342,7 @@ class JointSearch:
         others = [one for one in fit.channels if one.input != j]
         return channel_scan(
             self.record, j, [channel.A], others, fit.noise, count=len(channel.B),
-            delays=self.delays, slope=fit.slope, summed=channel.summed,
+            delays=self.delays, slope=fit.slope, summed=channel.summed, sinusoid=fit.sinusoid,
             weights=student_weights(self.record, fit) if fit.heavy else None,
         )  # fmt: skip
 
@@ -365,16 +378,32 @@ class JointSearch:
         """The channel with a further pole of a grid, its numerator and delay by a scan of all."""
         if channel.order >= MOST_ORDER:
             return []
-        candidates = [np.convolve(channel.A, [1.0, -pole]) for pole in POLES]
+        return [self._scanned(fit, channel, [np.convolve(channel.A, [1.0, -p]) for p in POLES])]
+
+    def _scanned(self, fit: JointFit, channel: Channel, candidates: Sequence[Array]) -> Channel:
+        """The channel with the best of some denominators, its numerator and delay."""
         others = [one for one in fit.channels if one is not channel]
         scan = channel_scan(
-            self.record, channel.input, candidates, others, fit.noise, count=channel.order + 1,
-            delays=self.delays, slope=fit.slope, summed=channel.summed,
+            self.record, channel.input, candidates, others, fit.noise,
+            count=len(candidates[0]) - 1, delays=self.delays, slope=fit.slope,
+            summed=channel.summed, sinusoid=fit.sinusoid,
+            weights=student_weights(self.record, fit) if fit.heavy else None,
         )  # fmt: skip
         value = self.record.count * np.log(scan.squares) + self.costs
         i, delay = np.unravel_index(int(value.argmin()), value.shape)
         B = np.concatenate([scan.numerators[i, delay], np.zeros(int(channel.summed))])
-        return [replace(channel, A=candidates[int(i)], B=B, delay=int(delay))]
+        return replace(channel, A=candidates[int(i)], B=B, delay=int(delay))
+
+    def _of_real_poles(self, fit: JointFit) -> Iterator[JointStart]:
+        """Starts of first order in place of a channel that oscillates: a slow noise looks so."""
+        for i, one in enumerate(fit.channels):
+            if not np.iscomplexobj(np.roots(one.A)):
+                continue
+            real = self._scanned(fit, one, [np.array([1.0, -p]) for p in (*POLES, SLOWEST)])
+            channels = (*fit.channels[:i], real, *fit.channels[i + 1 :])
+            v = joint_disturbance(self.record, channels)
+            for noise in [fit.noise, *(noise_start(v, orders) for orders in RICHER.values())]:
+                yield replace(fit.start, channels=channels, noise=noise)
 
     def _grow(self) -> None:
         """A further pole, or a pole at 1, of each channel as long as it pays."""
@@ -415,18 +444,65 @@ class JointSearch:
             for differences in (0, 1):
                 for orders in (RICHER[differences], NOISES[differences]):
                     self.fit(replace(fit.start, noise=noise_start(v, orders)))
-            sine = _sinusoid(v)
-            if sine is not None:
-                C, D = sine
+            omega = _peak(v)
+            if omega:
+                z = np.exp(1j * omega)
+                C, D = (np.real(np.poly([r * z, r / z])) for r in (NOTCH, RING))
                 self.fit(replace(fit.start, noise=NoiseModel(C, D, 0)))
                 D, C = np.convolve(D, [1, -0.2]), np.convolve(C, [1, -0.3])
                 self.fit(replace(fit.start, noise=NoiseModel(C, D, 0)))
         self._rank()
 
+    def _sinusoids(self) -> None:
+        """A sinusoid beside the level, of frequencies that the best models show.
+
+        At the peak of the disturbance, and at poles that the record cannot tell from the circle: a
+        channel fits a sinusoid by its initial state.
+        """
+        resolved, frequencies = RESOLVED / self.record.longest, list[float]()
+        for fit in self.fits[:2]:
+            roots = [np.roots(fit.noise.D), *(np.roots(one.A) for one in fit.channels)]
+            poles = np.concatenate(roots) + 0j
+            poles = poles[(np.abs(poles) > 1 - resolved / 2) & (poles.imag > resolved)]
+            peak = _peak(joint_disturbance(self.record, fit.channels))
+            for omega in [*np.angle(poles), *([peak] if peak else [])]:
+                if all(abs(omega - other) > resolved for other in frequencies):
+                    frequencies.append(float(omega))
+        for omega in frequencies[:2]:
+            self._behind_notch(omega)
+        self._rank()
+
+    def _behind_notch(self, omega: float) -> None:
+        """Models with a sinusoid beside the level, from the global start behind a notch."""
+        record, short, z = self.record, list[JointFit](), np.exp(1j * omega)
+        C, D = (np.real(np.poly([r * z, r / z])) for r in (NOTCH, 1.0))
+        starts = [self._swept(NoiseModel(C, D, i)) for i in (0, 1)]
+        starts += [one.channels for one in self.fits[:1]]
+        for channels in starts:
+            if any(_is_endless(one, record.longest) for one in channels):
+                continue
+            v = joint_disturbance(record, channels)
+            near, rest = without_sinusoid(v, omega, record.parts, record.observed)
+            for orders in NOISES:
+                start = JointStart(channels, noise_start(rest, orders), sinusoid=near)
+                fit = joint_fit(record, start, iterations=SHORT)
+                if fit is not None:
+                    short.append(self._priced(fit))
+        for one in sorted(short, key=_bic)[:2]:
+            fit = self.fit(one.start)
+            for _ in range(TUNED):
+                if fit is None:
+                    break
+                v = joint_disturbance(record, fit.channels)
+                near, _ = without_sinusoid(v, fit.sinusoid, record.parts, record.observed)
+                fit = self.fit(replace(fit.start, sinusoid=near))
+            if fit is not None:
+                self._moved(fit)
+
     def _cancelled(self) -> None:
         """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
         for fit in self.fits[:3]:
-            for start in self._without_pairs(fit):
+            for start in [*self._without_pairs(fit), *self._of_real_poles(fit)]:
                 self.fit(start)
         self._rank()
 
@@ -596,17 +672,14 @@ def _unsummed(one: Channel) -> list[Channel]:
     return others
 
 
-def _sinusoid(v: Array) -> tuple[Array, Array] | None:
-    """C and D of a sinusoid at the peak of the periodogram of v; None if there is none."""
+def _peak(v: Array) -> float:
+    """The frequency of the peak of the periodogram of v in rad/step; 0 if there is none."""
     steps = len(v)
     k = np.arange(steps)
     v = v - np.polyval(np.polyfit(k, v, 1), k)
     power = np.abs(np.fft.rfft(v * np.hanning(steps))) ** 2
     at = int(power[2:].argmax()) + 2
-    if power[at] < PEAK * np.median(power[1:]):
-        return None
-    z = np.exp(2j * np.pi * at / steps)
-    return np.real(np.poly([NOTCH * z, NOTCH / z])), np.real(np.poly([RING * z, RING / z]))
+    return 2 * float(np.pi) * at / steps if power[at] >= PEAK * np.median(power[1:]) else 0.0
 
 
 def has_hidden_pair(fit: JointFit, steps: int) -> bool:

@@ -23,6 +23,7 @@ from rcac_numeric.identification._box_jenkins import (
     start_of,
     weighted_fit,
     with_noise,
+    without_sinusoid,
 )
 from rcac_numeric.identification._delay_scan import (
     pole_starts,
@@ -430,7 +431,7 @@ class ProcessSearch:
         """Fits with a sinusoid near a frequency beside the level."""
         first = len(self.fits)
         v = disturbance(self.record, start)
-        omega, v = _without_sinusoid(v, omega)
+        omega, v = without_sinusoid(v, omega)
         start = replace(start, sinusoid=omega)
         for orders in NOISES:
             self.fit(with_noise(start, noise_start(v, orders)), SHORT)
@@ -483,7 +484,7 @@ class ProcessSearch:
             self.fit(start, SHORT)
             v = disturbance(record, start)
             if omega:
-                v = _without_sinusoid(v, omega)[1]
+                v = without_sinusoid(v, omega)[1]
             for orders in ((n, 1, 0), (n + 1, 0, 1)):
                 if orders[2] == differences:
                     self.fit(with_noise(start, noise_start(v, orders)), SHORT)
@@ -562,7 +563,7 @@ class ProcessSearch:
                     B = np.concatenate([scan.B, np.zeros(len(scan.A))])[: len(scan.A) - 1 + summed]
                     none = NoiseModel(ONE, ONE, 0)
                     start = Start(scan.A, B, scan.delay, none, summed, sinusoid=omega)
-                    v = _without_sinusoid(disturbance(record, start), omega)[1]
+                    v = without_sinusoid(disturbance(record, start), omega)[1]
                     for orders in NOISES:
                         self.fit(with_noise(start, noise_start(v, orders)), SHORT)
         short = sorted(self.fits[first:], key=_bic)
@@ -613,19 +614,6 @@ class ProcessSearch:
             fit = weighted_fit(self.record, one)
             if fit is not one:
                 self.fits.append(replace(fit, bic=fit.bic + cost))
-
-
-def _without_sinusoid(v: Array, omega: float) -> tuple[float, Array]:
-    """The frequency near one whose sinusoid explains most of v, and v less it, level and slope."""
-    steps = len(v)
-    best = np.inf, omega, v
-    for near in omega + np.linspace(-1, 1, 9) * np.pi / steps:
-        if not near > 0:
-            continue
-        waves = np.stack([np.ones(steps), np.linspace(-1, 1, steps), *sinusoids(near, steps)])
-        rest = v - np.linalg.lstsq(waves.T, v, rcond=None)[0] @ waves
-        best = min(best, (float(rest @ rest), near, rest), key=lambda one: one[0])
-    return float(best[1]), best[2]
 
 
 def _differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]:
