@@ -223,16 +223,17 @@ class JointSearch:
             for other in [*_longer(one), *_shorter(one), *_shifted(one), *_unsummed(one)]:
                 channels = (*best.channels[:i], other, *best.channels[i + 1 :])
                 changed.append(replace(best.start, channels=channels))
-        changed += [*self._without_pairs(best), *self._of_real_poles(best)]
+        changed += self._without_pairs(best)
         v = joint_disturbance(self.record, best.channels)
         for orders in (*NOISES, *RICHER.values()):
             changed.append(replace(best.start, noise=noise_start(v, orders)))
         weights = student_weights(self.record, best)
-        fits = [joint_fit(self.record, one, iterations=8, weights=weights) for one in changed]
-        priced = sorted((self._priced(fit) for fit in fits if fit is not None), key=_bic)
-        for fit in priced[:2]:
-            if fit.bic < best.bic + WORSE:
-                self.fits.append(self._priced(reweighted(self.record, fit)))
+        for starts, count in ((changed, 2), ([*self._of_real_poles(best)], 1)):
+            fits = [joint_fit(self.record, one, iterations=8, weights=weights) for one in starts]
+            priced = sorted((self._priced(fit) for fit in fits if fit is not None), key=_bic)
+            for fit in priced[:count]:
+                if fit.bic < best.bic + WORSE:
+                    self.fits.append(self._priced(reweighted(self.record, fit)))
         self._rank()
         return self.fits[0].bic < best.bic - 1.0
 
@@ -380,8 +381,10 @@ class JointSearch:
             return []
         return [self._scanned(fit, channel, [np.convolve(channel.A, [1.0, -p]) for p in POLES])]
 
-    def _scanned(self, fit: JointFit, channel: Channel, candidates: Sequence[Array]) -> Channel:
-        """The channel with the best of some denominators, its numerator and delay."""
+    def _scanned(
+        self, fit: JointFit, channel: Channel, candidates: Sequence[Array], *, moves: bool = True
+    ) -> Channel:
+        """The channel with the best of some denominators, its numerator and, if it moves, delay."""
         others = [one for one in fit.channels if one is not channel]
         scan = channel_scan(
             self.record, channel.input, candidates, others, fit.noise,
@@ -390,20 +393,34 @@ class JointSearch:
             weights=student_weights(self.record, fit) if fit.heavy else None,
         )  # fmt: skip
         value = self.record.count * np.log(scan.squares) + self.costs
+        if not moves and channel.delay < self.delays:
+            value[:, np.arange(self.delays) != channel.delay] = np.inf
         i, delay = np.unravel_index(int(value.argmin()), value.shape)
         B = np.concatenate([scan.numerators[i, delay], np.zeros(int(channel.summed))])
         return replace(channel, A=candidates[int(i)], B=B, delay=int(delay))
 
     def _of_real_poles(self, fit: JointFit) -> Iterator[JointStart]:
-        """Starts of first order in place of a channel that oscillates: a slow noise looks so."""
-        for i, one in enumerate(fit.channels):
-            if not np.iscomplexobj(np.roots(one.A)):
-                continue
-            real = self._scanned(fit, one, [np.array([1.0, -p]) for p in (*POLES, SLOWEST)])
-            channels = (*fit.channels[:i], real, *fit.channels[i + 1 :])
+        """Starts of first order in place of channels that oscillate: a slow noise looks so.
+
+        In place of one of them, and in place of every channel of higher order.
+        """
+        oscillates = [np.iscomplexobj(np.roots(one.A)) for one in fit.channels]
+        if not any(oscillates):
+            return
+        candidates = [np.array([1.0, -p]) for p in (*POLES, SLOWEST)]
+        first = [
+            one if one.order < 2 else self._scanned(fit, one, candidates, moves=False)
+            for one in fit.channels
+        ]
+        kinds = [tuple(first)]
+        for i, is_one in enumerate(oscillates):
+            if is_one:
+                kinds.append((*fit.channels[:i], first[i], *fit.channels[i + 1 :]))
+        for channels in kinds:
             v = joint_disturbance(self.record, channels)
             for noise in [fit.noise, *(noise_start(v, orders) for orders in RICHER.values())]:
-                yield replace(fit.start, channels=channels, noise=noise)
+                for slope in {fit.slope, False}:
+                    yield replace(fit.start, channels=channels, noise=noise, slope=slope)
 
     def _grow(self) -> None:
         """A further pole, or a pole at 1, of each channel as long as it pays."""
