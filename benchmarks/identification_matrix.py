@@ -48,7 +48,7 @@ from rcac_numeric import ControllerLog
 from rcac_numeric.analysis._peaks import responses_of
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.designing._design import _basis_of_log, _DesignOptions
-from rcac_numeric.designing._log_gates import controller_gates, design_plant
+from rcac_numeric.designing._log_gates import GateLoop, controller_gates, design_plant
 from rcac_numeric.designing._matrix_logs import (
     TRIED,
     MatrixLogSearch,
@@ -341,23 +341,19 @@ def gates_of(search, fits, logged, parts, peak):
     above = np.nonzero(np.abs(L) > 1)[0]
     crossover = float(GATES[above[-1]] if len(above) else 0.01)
     weight = np.where(crossover / 3 < GATES, T, np.minimum(T, S))
-    loop = StateLoop(parts, weight, crossover)
+    loop = StateLoop(None, weight, crossover, states=parts)
     return controller_gates(search.search, fits, loop, peak, search.parts(fits), None)
 
 
-@dataclass(frozen=True)
-class StateLoop:
-    """The loop of a scalar controller in state space, for the gates."""
+@dataclass(frozen=True, eq=False)
+class StateLoop(GateLoop):
+    """The loop of a controller in state space."""
 
-    parts: tuple
-    weight: np.ndarray
-    crossover: float
-    every: int = 1
-    omega = GATES
+    states: tuple = ()
 
-    def stabilises(self, plant):
-        """Whether the loop with a plant is stable."""
-        return loop_radius(plant.servo(), self.parts) < 1
+    @property
+    def parts(self):
+        return self.states
 
 
 def judged(logs, plant, parts):
