@@ -353,6 +353,7 @@ class StateLoop(GateLoop):
 
     @property
     def parts(self):
+        """The controller's matrices."""
         return self.states
 
 
