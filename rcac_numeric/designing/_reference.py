@@ -218,9 +218,9 @@ class WeightGrid:
     def candidates(self) -> Iterator[tuple[float, float, StateSpace]]:
         """Yield R_2, V_2 and the LQG controller of every candidate that exists."""
         free = self.saturation is None
-        factors = (CONTROL, NOISE) if free else (CALMER, NOISIER)
-        if free and self.rivals:
-            factors = SLOWER, SLOWER_OBSERVER
+        factors: tuple[Sequence[float], Sequence[float]] = CALMER, NOISIER
+        if free:
+            factors = (SLOWER, SLOWER_OBSERVER) if self.rivals else (CONTROL, NOISE)
         yield from _grid_candidates(
             self.scaled, self.models, self.noise, self.noise_variance, factors
         )

@@ -52,6 +52,7 @@ from rcac_numeric.identification._process_search import (
     WORSE,
     cancelling_pairs,
     hides_a_pair,
+    roots_of,
 )
 from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 
@@ -702,8 +703,7 @@ def _peak(v: Array) -> float:
 def has_hidden_pair(fit: JointFit, steps: int) -> bool:
     """Whether a pole near the circle and a zero all but cancel in a channel."""
     return any(
-        hides_a_pair(np.roots(one.denominator) + 0j, np.roots(one.B) + 0j, steps)
-        for one in fit.channels
+        hides_a_pair(roots_of(one.denominator), roots_of(one.B), steps) for one in fit.channels
     )
 
 
@@ -716,7 +716,7 @@ def _is_endless(one: Channel, steps: int) -> bool:
 
 def _pairs(one: Channel) -> list[tuple[list[int], list[int]]]:
     """Indices of poles near the circle, and of the zeros beside them."""
-    return cancelling_pairs(np.roots(one.A) + 0j, np.roots(one.B) + 0j)
+    return cancelling_pairs(roots_of(one.A), roots_of(one.B))
 
 
 def _bic(fit: JointFit) -> float:

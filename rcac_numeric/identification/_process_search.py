@@ -518,7 +518,7 @@ class ProcessSearch:
         """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
         self._rank()
         for one in list(self.fits[:4]):
-            for poles, zeros in cancelling_pairs(_roots(one.A), _roots(one.B)):
+            for poles, zeros in cancelling_pairs(roots_of(one.A), roots_of(one.B)):
                 rest = np.delete(np.roots(one.A), poles)
                 moved = np.roots(one.A)[poles]
                 A = np.atleast_1d(np.real(np.poly(rest)))
@@ -543,7 +543,7 @@ class ProcessSearch:
         known = [one.sinusoid for one in self.fits[:3]]
         frequencies: list[float] = []
         for one in self.fits[:3]:
-            poles = np.concatenate([one.poles[: 0 if one.armax else None], _roots(one.noise.D)])
+            poles = np.concatenate([one.poles[: 0 if one.armax else None], roots_of(one.noise.D)])
             poles = poles[(np.abs(poles) > 1 - resolved / 2) & (poles.imag > resolved)]
             for omega in np.angle(poles):
                 if all(abs(omega - other) > resolved for other in known + frequencies):
@@ -675,7 +675,7 @@ def _bic(fit: ProcessFit) -> float:
 
 def has_hidden_pair(fit: ProcessFit) -> bool:
     """Whether a pole near the circle and a zero all but cancel: a hidden mode of every loop."""
-    return hides_a_pair(fit.poles, _roots(fit.B), len(fit.e))
+    return hides_a_pair(fit.poles, roots_of(fit.B), len(fit.e))
 
 
 def hides_a_pair(poles: ComplexArray, zeros: ComplexArray, steps: int) -> bool:
@@ -712,7 +712,8 @@ def _slowest(fit: ProcessFit) -> float:
     return float(real.max(initial=-1.0))
 
 
-def _roots(A: Array) -> ComplexArray:
+def roots_of(A: Array) -> ComplexArray:
+    """The roots, complex where all are real, too."""
     return np.asarray(np.roots(A), dtype=np.complex128)
 
 
