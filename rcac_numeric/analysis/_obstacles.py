@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from compensator_theory.errors import (
     CompensatorError,
@@ -15,13 +17,18 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
+from rcac_numeric.analysis._square_roots import balanced_pair
 from rcac_numeric.arrays._array_types import Array
 
 EPS = float(np.finfo(float).eps)
 # Distance to the circle within which a computed zero may be on it; a multiple zero is a cluster.
 NEXT = 1e-3
-# Largest distance between the members of a cluster.
+# Largest distance of a computed eigenvalue to the circle, and to the zero that it stands for.
 ABOUT = 0.1
+# Largest distance between the members of a cluster.
+CLUSTER = 1e-3
+# Steps at the level of rounding noise after which a better zero is no longer expected.
+NOISY = 5
 # Step size at which the search ends.
 SETTLED = 1e-10
 # Points at which the normal rank is computed; all but finitely many points have it.
@@ -100,17 +107,15 @@ def require_no_zero_on_circle(
 ) -> None:
     """Raise for a zero on the unit circle next to one of the numbers `near`.
 
-    From each of them a zero is sought by Newton's method on the smallest singular value of the
-    system pencil; at a zero that value is rounding noise.
+    The zeros are among the eigenvalues of a square pencil. Those near the circle are refined by
+    Newton's method on the smallest singular value of the system pencil; at a zero that value is
+    rounding noise.
     """
+    starts = _possible_zeros(A, B, E_1, E_2, near)
+    # At a multiple zero the derivative is noise too, so that a step leads away from a good start.
+    refined = (_nearest_zero(A, B, E_1, E_2, start) for start in starts)
     size = len(A) + B.shape[1]
-    sizes = np.linalg.svd(E_2, compute_uv=False)
-    if len(sizes) == B.shape[1] and sizes.min(initial=np.inf) > 1e-6 * sizes.max(initial=0):
-        # E_2 is one to one, and u = -E_2^+ E_1 x at a zero, which is then one of these:
-        modes = np.linalg.eigvals(A - B @ np.linalg.lstsq(E_2, E_1, rcond=None)[0])
-        near = near[np.abs(near[:, None] - modes).min(axis=1, initial=np.inf) < ABOUT]
-    for start in near:
-        zero = _nearest_zero(A, B, E_1, E_2, start)
+    for zero in chain(starts, refined):
         if not (np.isfinite(zero) and abs(abs(zero) - 1) < NEXT):
             continue
         # A multiple zero is accurate to a root of the rounding error only; 1 and -1 are the usual
@@ -142,19 +147,60 @@ def words(value: complex) -> str:
     return f"{value.real:.12g}{value.imag:+.12g}j"
 
 
+def _possible_zeros(
+    A: Array, B: Array, E_1: Array, E_2: Array, near: NDArray[np.complex128]
+) -> list[complex]:
+    """Return where zeros may be: next to the circle and `near`, one of each conjugate pair."""
+    sizes = np.linalg.svd(E_2, compute_uv=False)
+    if len(sizes) == B.shape[1] and sizes.min(initial=np.inf) > 1e-6 * sizes.max(initial=0):
+        # E_2 is one to one, and u = -E_2^+ E_1 x at a zero, which is then one of these:
+        values = np.linalg.eigvals(A - B @ np.linalg.lstsq(E_2, E_1, rcond=None)[0])
+    else:
+        values = _eigenvalues_of_square_pencil(A, B, E_1, E_2)
+    values = values[np.isfinite(values) & (np.abs(np.abs(values) - 1) < ABOUT)]
+    # A multiple zero is a cluster, whose centre is more accurate than its members.
+    centres = [values[np.abs(values - value) < CLUSTER].mean() for value in values]
+    starts = np.unique(np.round([*centres, *values], 12)) if len(values) else values
+    starts = starts[starts.imag >= 0]
+    return list(starts[np.abs(near[:, None] - starts).min(axis=0, initial=np.inf) < ABOUT])
+
+
+def _eigenvalues_of_square_pencil(
+    A: Array, B: Array, E_1: Array, E_2: Array
+) -> NDArray[np.complex128]:
+    """Return the eigenvalues of the pencil with as many mixtures of its outputs as inputs.
+
+    Every zero is one of them: where the columns of the pencil are dependent, those of the mixtures
+    are too.
+    """
+    n, m = B.shape
+    left = np.block([[A, B], [E_1, E_2]])
+    right = np.zeros_like(left)
+    right[:n, :n] = np.eye(n)
+    left, right, _ = balanced_pair(left, right)
+    mixing = linalg.qr(np.random.default_rng(0).standard_normal((len(E_1), m)), mode="economic")[0]
+    left, right = np.vstack([left[:n], mixing.T @ left[n:]]), right[: n + m]
+    above, below = linalg.eigvals(left, right, homogeneous_eigvals=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(above / below)
+
+
 def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) -> complex:
     """Return a zero of the system pencil; not a zero if the iteration does not converge."""
-    n, at, before = len(A), complex(start), np.inf
+    n, at, before, noisy = len(A), complex(start), np.inf, 0
     for _ in range(60):
         left, values, right = np.linalg.svd(_pencil(A, B, E_1, E_2, at))
         u, v = left[:, len(values) - 1], right[len(values) - 1].conj()
         slope = np.vdot(u[:n], v[:n])
-        if values[-1] == 0:
+        noisy += bool(values[-1] <= 10 * EPS * values[0])
+        if values[-1] == 0 or noisy == NOISY:
             break
         if values[-1] >= 10 * abs(slope):
             return complex(np.nan)  # no zero nearby
         step = values[-1] / slope
         at += step
+        if not abs(at - start) < ABOUT:
+            return complex(np.nan)  # the zero of another start, if of any
         # Converged to rounding, or a multiple zero.
         if abs(step) < SETTLED and not abs(step) < before / 2:
             break

@@ -165,7 +165,7 @@ def pencil_gain(A: Array, B: Array, E_1: Array, E_2: Array, *, balanced: bool) -
     ])  # fmt: skip
     columns = np.ones(len(left))
     if balanced:
-        left, right, columns = _balanced(left, right)
+        left, right, columns = balanced_pair(left, right)
     # The algebraic variables u and z are eliminated by an orthogonal transformation.
     Q = linalg.qr(left[:, 2 * n :], check_finite=False)[0][:, m + p :].T
     H, J = Q @ left[:, : 2 * n], Q @ right[:, : 2 * n]
@@ -184,7 +184,7 @@ def pencil_gain(A: Array, B: Array, E_1: Array, E_2: Array, *, balanced: bool) -
     return np.asarray(np.linalg.solve(state.T, u.T).T)
 
 
-def _balanced(left: Array, right: Array) -> tuple[Array, Array, Array]:
+def balanced_pair(left: Array, right: Array) -> tuple[Array, Array, Array]:
     """Balance rows and columns by powers of two."""
     columns = np.ones(left.shape[1])
     for _ in range(3):
