@@ -242,12 +242,10 @@ def _cells(
     poly: Poly, parameter: Symbol, ends: list[CriticalValue], time: Time
 ) -> list[StabilityCell]:
     cells = []
+    whole = poly.clear_denoms(convert=True)[1]  # has none; of a ring, not of its field
+    flat = whole.inject() if whole.domain.is_PolynomialRing else whole
     for lower, upper, sample in cells_between(ends):
-        there = Poly(
-            [c.subs(parameter, sample) for c in map(sympy.sympify, poly.all_coeffs())],
-            poly.gen,
-            domain=QQ,
-        )
+        there = flat.eval(parameter, sample) if parameter in flat.gens else flat
         cells.append(StabilityCell(lower, upper, sample, count_roots(there, time=time)))
     return cells
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations, combinations_with_replacement
 from math import comb
 from typing import ClassVar, TypeAlias
@@ -19,7 +20,7 @@ from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._poly import ask_for_coefficients
+from compensator_theory.polynomials._poly import ask_for_coefficients, canonical
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_discrete
@@ -270,7 +271,10 @@ def _decomposed(
 
 
 def _at(p: Poly, parameter: Symbol, value: Rational) -> Poly:
-    return polynomial(sympy.expand(p.as_expr().subs(parameter, value)), p.gen)
+    if parameter not in p.free_symbols_in_domain:
+        return p
+    flat = p.inject().eval(parameter, value)
+    return canonical(flat.eject(*flat.gens[1:]))
 
 
 def _intervals(p: Poly, parameter: Symbol, *, of_a_loop: bool) -> StabilityIntervals:
@@ -336,7 +340,7 @@ def _factors(parts: list[Expr], parameters: tuple[Symbol, ...]) -> list[Poly]:
 
 def _there(curves: tuple[Poly, ...], last: Symbol, before: dict[Symbol, Rational]) -> list[Poly]:
     """The curves as polynomials in one parameter, those before it at their samples."""
-    return [Poly(curve.as_expr().subs(before), last, domain=QQ) for curve in curves]
+    return [curve.eval(before) if before else curve for curve in curves]
 
 
 def _formula(
@@ -352,15 +356,21 @@ def _formula(
         roots = [root.value for root in real_roots([there])]
         if end not in roots:
             continue
-        coefficients = Poly(curve.as_expr(), last).all_coeffs()
-        if degree == 1:
-            return sympy.cancel(-coefficients[1] / coefficients[0])
-        a, b, c = coefficients
         # The roots of a cell neither meet nor change their order in it, and a keeps its sign.
         sign = (-1 if roots.index(end) == 0 else 1) * (1 if there.LC() > 0 else -1)
-        root = sympy.sqrt(sympy.factor(b**2 - 4 * a * c))
-        return sympy.cancel(-b / (2 * a)) + sign * root / (2 * a)
+        return _root_formula(curve, last, sign if degree == 2 else 0)
     return None
+
+
+@lru_cache(maxsize=128)  # the cells of a region have few formulas
+def _root_formula(curve: Poly, last: Symbol, sign: int) -> Expr:
+    """Return the root of a curve of degree two of this sign, or the one of degree one."""
+    coefficients = Poly(curve.as_expr(), last).all_coeffs()
+    if sign == 0:
+        return sympy.cancel(-coefficients[1] / coefficients[0])
+    a, b, c = coefficients
+    root = sympy.sqrt(sympy.factor(b**2 - 4 * a * c))
+    return sympy.cancel(-b / (2 * a)) + sign * root / (2 * a)
 
 
 def _listed(parameters: tuple[Symbol, ...]) -> str:
