@@ -9,7 +9,7 @@ from operator import add, mul
 from typing import Any
 
 import flint
-from sympy import Expr, ImmutableMatrix, Matrix, eye
+from sympy import Expr, ImmutableMatrix, Matrix, Poly, eye
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError, NoSolutionError
@@ -257,11 +257,25 @@ def _by_characteristic_polynomial(
             power = power * M
         sign = -1
     inverted, right = work.back(value), work.back(total * sign)
+    _ask_for_determinant(inverted)
     try:
         X = solve(inverted.T, right.T).T
     except NoSolutionError:
         return None
     return ImmutableMatrix(X), [determinant(inverted)]
+
+
+def _ask_for_determinant(matrix: ImmutableMatrix) -> None:
+    """Refuse a division by a determinant with too many terms, by its degrees in the symbols."""
+    symbols = sorted(matrix.free_symbols, key=str)
+    if not symbols or not all(entry.is_polynomial(*symbols) for entry in matrix):
+        return
+    entries = [Poly(entry, *symbols) for entry in matrix]
+    degree = matrix.rows * max(int(entry.total_degree()) for entry in entries)
+    separate = (max(d) for d in zip(*(entry.degree_list() for entry in entries), strict=True))
+    box = math.prod(matrix.rows * max(0, int(d)) + 1 for d in separate)
+    most = min(box, math.comb(degree + len(symbols), degree))
+    ask("terms", most, "the determinant of the matrix equation with symbols")
 
 
 class _Symbolic:

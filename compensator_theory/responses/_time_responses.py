@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial
 from typing import Any, ClassVar, TypeAlias
 
@@ -22,11 +22,7 @@ from compensator_theory.polynomials._budget import limit_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._poly import (
-    canonical,
-    over_coefficient_field,
-    quotient_modulo,
-)
+from compensator_theory.polynomials._poly import canonical, over_coefficient_field, quotient_modulo
 from compensator_theory.polynomials._substitution import denominators_in
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.responses._modes import Mode
@@ -280,14 +276,17 @@ def _principal_part(numerator: Poly, p: Poly, power: int) -> list[Poly]:
     With :math:`q(\varepsilon) = p(r + \varepsilon)/\varepsilon`, the coefficient of
     :math:`\varepsilon^i` in :math:`N(r + \varepsilon)/q^m` is c_{m - i}.
     """
-    taylor = _taylor(numerator, p, power)
-    slope = _taylor(p.diff(), p, power)
-    quotient = [c.quo_ground(i + 1) for i, c in enumerate(slope)]  # p^(i+1)(r)/(i+1)!
-    inverse = _inverse(quotient, p)
-    series = taylor
+    series, inverse = _taylor(numerator, p, power), _inverse_quotient(p, power)
     for _ in range(power):
         series = _product(series, inverse, p)
     return series[::-1]
+
+
+@lru_cache(maxsize=8)  # the entries of a matrix have the same p
+def _inverse_quotient(p: Poly, power: int) -> Series:
+    """Return the first coefficients of 1/q in eps."""
+    slope = _taylor(p.diff(), p, power)
+    return _inverse([c.quo_ground(i + 1) for i, c in enumerate(slope)], p)  # p^(i+1)(r)/(i+1)!
 
 
 def _taylor(poly: Poly, p: Poly, size: int) -> Series:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import comb, prod
 from typing import ClassVar
 
 import sympy
@@ -16,6 +17,7 @@ from compensator_theory.matrices._certificates import Certified, Residuals
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._letters import names_in_all
 from compensator_theory.polynomials._numbers import NumberLike
@@ -142,6 +144,7 @@ def transition_matrix(A: MatrixLike, variable: str | Symbol = "s") -> Transition
     unit = identity_matrix(n)
     resolvent = transfer_matrix_of_realisation(A, unit, unit, zero_matrix(n, n), symbol)
     ask_for_coefficients(resolvent.denominator, n, "the transition matrix", 1)
+    _ask_for_terms(resolvent.denominator)
     factor = Poly(symbol if discrete else 1, symbol, domain="QQ")
     return TransitionMatrix(
         A,
@@ -153,6 +156,20 @@ def transition_matrix(A: MatrixLike, variable: str | Symbol = "s") -> Transition
             for row in resolvent.numerators
         ),
     )
+
+
+def _ask_for_terms(denominator: Poly) -> None:
+    """Refuse partial fractions over discriminants with too many terms, one for each entry."""
+    for factor, _ in denominator.factor_list()[1]:
+        symbols = factor.free_symbols_in_domain
+        if not symbols or factor.degree() < 2:
+            continue
+        powers = 2 * int(factor.degree()) - 2  # of a coefficient, in the discriminant
+        flat = factor.clear_denoms(convert=True)[1].inject()
+        degree = powers * max(sum(monomial[1:]) for monomial in flat.monoms())
+        box = prod(powers * int(d) + 1 for d in flat.degree_list()[1:])
+        terms = min(box, comb(degree + len(symbols), degree))
+        ask("terms", int(denominator.degree()) ** 2 * terms, "the transition matrix with symbols")
 
 
 def _transform(response: TimeResponse) -> Expr:

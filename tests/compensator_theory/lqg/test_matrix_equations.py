@@ -307,3 +307,14 @@ def test_a_solution_with_integers_that_python_does_not_print_is_written():
     solution = solve_lyapunov([[-1, large], [0, -large - 1]], [[large, 7], [7, 1]])
     longest = max(map(len, re.findall(r"\d+", text(solution.X))))
     assert longest == 4500 and len(solution._repr_latex_()) > 4 * longest
+
+
+def test_a_determinant_with_too_many_terms_is_refused():
+    A = sympy.Matrix(4, 4, lambda i, j: (3 * i + 5 * j + i * j) % 7)
+    with_symbols = A + sympy.diag(*sympy.symbols("a b c d"))
+    shifted = with_symbols - 50 * sympy.eye(4)
+    with pytest.raises(BudgetError, match="determinant of the matrix equation"):
+        solve_sylvester(with_symbols, shifted, sympy.eye(4))
+    few = A + sympy.diag(*sympy.symbols("a b"), 0, 0)
+    solution = solve_sylvester(few, A - 50 * sympy.eye(4), sympy.eye(4))
+    assert solution.certificate.holds and solution.is_unique
