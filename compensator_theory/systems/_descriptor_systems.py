@@ -210,8 +210,7 @@ class DescriptorSystem(System):
     @property
     def is_controllable(self) -> bool | None:
         """Whether every finite mode feels the input; None if that depends on a symbol."""
-        form, form_is_controllable = self.weierstrass_form(), self.slow_part().is_controllable
-        return None if form.exceptional else form_is_controllable
+        return None if self.weierstrass_form().exceptional else self.slow_part().is_controllable
 
     @property
     def is_observable(self) -> bool | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
@@ -189,6 +190,16 @@ class StandardProblem(System):
             raise InputError(
                 f"there is no channel {repr_of(channel)}; choose one of {', '.join(CHANNELS)}"
             )
+        if channel not in self._transfer_matrices:
+            self._transfer_matrices[channel] = self._transfer_matrix(channel)
+        return self._transfer_matrices[channel]
+
+    @cached_property
+    def _transfer_matrices(self) -> dict[str, TransferMatrix]:
+        """The maps that were computed."""
+        return {}
+
+    def _transfer_matrix(self, channel: str) -> TransferMatrix:
         output, inputs = {"z": self.E_1, "y": self.C}, {"w": self.D_1, "u": self.B}
         direct = {"zw": self.E_0, "zu": self.E_2, "yw": self.D_2, "yu": self.D_0}
         return transfer_matrix_of_realisation(
