@@ -58,6 +58,11 @@ def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: in
     Source: the denominator of (7.22); chapters 2 and 4 use f = +1, Section 7.3 and after -1.
     """
     N, D, N_c, D_c = over_one_field(G.numerator, G.denominator, G_c.numerator, G_c.denominator)
+    if N_c.domain.is_FractionField and not (N.domain.is_Field or D.domain.is_Field):
+        (above, n), (below, d) = (p.clear_denoms(convert=True) for p in (N_c, D_c))
+        if above == below:  # products without denominators, divided once
+            whole = (D * d - N * n * feedback).set_domain(N_c.domain)
+            return canonical(whole.quo_ground(above))
     return canonical(D * D_c - N * N_c * feedback)
 
 
