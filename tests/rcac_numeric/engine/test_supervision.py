@@ -21,6 +21,7 @@ from rcac_numeric import (
     Supervision,
     SupervisionWarning,
     TargetModel,
+    fir,
     fir_target,
     iir,
     pid,
@@ -114,6 +115,21 @@ def test_a_policy_keeps_the_next_disturbance_small(policy, update):
         assert controller.record.is_frozen
         controller.resume()
         assert not controller.record.is_frozen
+
+
+@pytest.mark.parametrize("update", [UD, Covariance])
+@pytest.mark.parametrize("excited", [0, 1])
+def test_growth_is_that_of_the_variance_without_excitation(update, excited):
+    """R_theta is diagonal: P of the measurement that stays 0 is divided by lambda at every step."""
+    settings = ControllerSettings(
+        structure=fir(1, l_y=2), target=TargetModel([0.0, 1.0]),
+        update=update(np.diag([1.0, 4.0]), lambda_=0.9),
+    )  # fmt: skip
+    controller, rng = Controller(settings), np.random.default_rng(excited)
+    for _ in range(40):
+        controller.step(np.eye(2)[excited] * rng.standard_normal(), rng.standard_normal())
+    # The last look is that of step 32, after 31 updates.
+    assert controller.record.growth == pytest.approx(0.9**-31, rel=1e-12)
 
 
 def test_a_policy_acts_in_a_run_too():

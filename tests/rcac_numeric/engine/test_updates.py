@@ -12,6 +12,7 @@ from tests.support.comparisons import steady, tame
 from tests.support.engine_cases import cases, engine_plants, positive, settings_for, structures
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
+from tests.support.textbook import iir_regressor
 from tests.support.textbook_loop import assert_follows
 
 RECURSIVE = st.sampled_from([rn.UD, rn.Covariance])
@@ -70,6 +71,34 @@ def test_updates_without_a_recursion_of_P_keep_their_metric():
         for k in range(8):
             assert np.allclose(controller.P, P, rtol=1e-12, atol=1e-15)
             controller.step(np.sin(k), np.cos(k))
+
+
+ROWS_CHANGE_PLACES = {  # definite: in either the last row is the pivot of the first column
+    # and of the second column the second row, since a zero stands below it
+    "once": [[1.0, 1, 2], [1, 2, 2], [2, 2, 8]],
+    # and of the second column the third row, since the second begins with a zero
+    "twice": [[1.0, 1, 2], [1, 2, 4], [2, 4, 16]],
+}
+
+
+@pytest.mark.parametrize("R_z", ROWS_CHANGE_PLACES.values(), ids=ROWS_CHANGE_PLACES)
+@pytest.mark.parametrize("update", [rn.UD, rn.Covariance, rn.Instantaneous, rn.SlidingWindow])
+def test_weights_whose_elimination_changes_rows(update, R_z):
+    """A wrong pivot of R_z + R_u is here a zero."""
+    window = {"window": 4} if update is rn.SlidingWindow else {}
+    rng = np.random.default_rng(1)
+    plant = rn.Plant(
+        A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=rng.standard_normal((3, 1))
+    )
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2),
+        target=rn.TargetModel(rng.standard_normal((3, 3, 1)) * [[[0.0]], [[1.0]], [[1.0]]]),
+        update=update(1.0, **window),
+        R_z=R_z,
+    )
+    run = rn.simulate(plant, settings, noise(1, STEPS, 1))
+    assert_follows(run, [(settings, iir_regressor(2))])
+    assert not np.array_equal(run.theta_final, run.theta[0])
 
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, st.sampled_from([1.0, 0.98, 0.8]), seeds)

@@ -175,10 +175,12 @@ def test_what_was_estimated_before_a_failure_is_kept():
     assert np.array_equal(caught.value.run.x, estimate(settings, np.ones(5)).x)
 
 
-def test_a_singular_innovation():
+@pytest.mark.parametrize("form", ["square root", "joseph"])
+def test_a_singular_innovation(form):
+    """H P H' + R has the entries 1, exactly: the second pivot of its Cholesky factor is 0."""
     twice = LinearModel(A=1, C=[[1], [1]])
     with pytest.raises(IllConditionedError, match="covariance of the innovation is singular"):
-        Estimator(EKF(twice, Q=1, R=0)).step([1, 1])
+        Estimator(EKF(twice, Q=1, R=0, form=form)).step([1, 1])
 
 
 def test_a_negative_weight_that_costs_definiteness():
