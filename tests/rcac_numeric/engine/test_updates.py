@@ -87,9 +87,7 @@ def test_weights_whose_elimination_changes_rows(update, R_z):
     """A wrong pivot of R_z + R_u is here a zero."""
     window = {"window": 4} if update is rn.SlidingWindow else {}
     rng = np.random.default_rng(1)
-    plant = rn.Plant(
-        A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=rng.standard_normal((3, 1))
-    )
+    plant = rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=rng.standard_normal((3, 1)))
     settings = rn.ControllerSettings(
         structure=rn.iir(2),
         target=rn.TargetModel(rng.standard_normal((3, 3, 1)) * [[[0.0]], [[1.0]], [[1.0]]]),
