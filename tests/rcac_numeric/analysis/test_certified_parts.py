@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import IllConditionedError, InputError, NoSolutionError
-from rcac_numeric import UD, Gradient, Plant, certified_set, iir
+from rcac_numeric import (
+    UD,
+    ControllerSettings,
+    Gradient,
+    Plant,
+    TargetModel,
+    certified_set,
+    fir,
+    iir,
+    standard_plant,
+)
 from rcac_numeric.analysis import _certified_set as parts
 from rcac_numeric.analysis._moving_gains import centered_loop, input_gains
 from rcac_numeric.analysis._regressor_system import regressor_system
@@ -50,6 +60,35 @@ def test_the_set_reaches_the_norm_and_has_no_multipliers():
         region = certified_set(PLANT, first_order(), shape=shape)
         assert 1 - 2e-4 < region.peaks["nominal"] <= 1 and region.shape == shape
         assert [one.multipliers.size for one in region.members] == [0]
+
+
+def test_a_set_of_which_the_caps_bind_one_interval_reaches_the_norm():
+    """The largest matrix within the caps has a norm of 0.993 here."""
+    slow = standard_plant("1e-3/(q - 0.5)")
+    region = certified_set(slow, first_order(theta_0=[0.0, 0.0]), shape="volume")
+    assert 1 - 2e-4 < region.peaks["nominal"] <= 1
+
+
+@pytest.mark.parametrize("shape", ["volume", "prior"])
+def test_the_set_does_not_depend_on_the_units_of_inputs(shape):
+    """Rows of Theta are intervals in units of their input; powers of two change no digit."""
+
+    def widths(units):
+        B = np.array([[1.0, 0.3], [0.2, -0.7]]) * units
+        plant = Plant(
+            A=[[0.5, 0.2], [-0.1, 0.6]], B=B, D_1=[[1.0], [1.0]], C=[[1.0, 0.4]], E_1=[[1.0, 0.4]]
+        )
+        settings = ControllerSettings(
+            structure=fir(2, l_u=2),
+            target=TargetModel([[[0.0, 0.0]], [[1.0, 1.0]]]),
+            update=UD(R_theta=np.diag(np.tile(units**2, 2))),
+            theta_0=(np.array([[0.1, -0.2], [0.05, 0.1]]) / units).ravel(),
+        )
+        return np.diff(list(certified_set(plant, settings, shape=shape).intervals().values()))
+
+    units = np.array([2.0**6, 2.0**-3])
+    expected = widths(np.ones(2)).reshape(2, 2) / units
+    np.testing.assert_allclose(widths(units).reshape(2, 2), expected, rtol=1e-9)
 
 
 # The corners, of which each is stable.
