@@ -125,7 +125,7 @@ have weight : R_2 + B^T *m P *m B = (4%:R)%:M.
 have inverse : invmx (R_2 + B^T *m P *m B) = (4%:R^-1)%:M.
   by rewrite weight invmx_scalar.
 have EBP : B^T *m P *m A = row_2 0 (- 2%:R).
-  by entry_by_entry; ring.
+  by rewrite column_2_tr !row_matrix_2; congr row_2; ring.
 have gain : K = - (invmx (R_2 + B^T *m P *m B) *m B^T *m P *m A).
   rewrite inverse -!mulmxA mul_scalar_mx [B^T *m _]mulmxA EBP.
   by entry_by_entry; field.
@@ -146,9 +146,10 @@ split=> //.
   rewrite mxE eqxx mulr1n.
   by rewrite mulr_ge0 ?ler0n // !addr_ge0 ?sqr_ge0.
 - split=> //; have -> : A^T *m P *m B = (B^T *m P *m A)^T.
-    by entry_by_entry; ring.
-  rewrite inverse EBP -!mulmxA mul_scalar_mx [B^T *m _]mulmxA EBP EA_T.
-  by entry_by_entry; field.
+    by rewrite !trmx_mul trmxK mulmxA [P^T]matrix_2_tr.
+  rewrite inverse EBP -!mulmxA mul_scalar_mx [B^T *m _]mulmxA EBP EA_T row_2_tr -scalemxAr.
+  rewrite column_row matrix_2_scale /R_1 row_2_tr column_row !matrix_2_mul matrix_2_opp !matrix_2_add.
+  by congr matrix_2; field.
 - split=> z.
     move=> nz_z; rewrite expr1 /N_u /printed !hornerE; exact: printed_value.
   rewrite rootE /printed !hornerE subr_eq0 eq_sym.

@@ -41,8 +41,8 @@ move=> K K_C; split; last first.
   by rewrite -[B *m K *m _ *m _]mulmxA mulVmx // mulmx1.
 have [a [b EK]] : exists a b, K = row_2 a b.
   by exists (K 0 0), (K 0 1); entry_by_entry; congr (K _ _); apply: val_inj.
-move/matrixP/(_ 0 1); rewrite /K_C EK EA EB Einv !mxE.
-rewrite !(mxE, big_ord_recl, big_ord0) /= !(mulr0, mul0r, addr0, add0r, mulr1, mul1r).
+rewrite /K_C EK EA EB Einv row_matrix_2 !column_row !matrix_2_add !matrix_2_mul.
+move/matrixP/(_ 0 1); rewrite !mxE /= !(mulr0, mul0r, addr0, add0r, mulr1, mul1r).
 by move/(congr1 (fun t => t * 2%:R)); rewrite mulVf // -natrM => /eqP; rewrite pnatr_eq1.
 Qed.
 End ChangeOfBasis.

@@ -28,7 +28,8 @@ have EP : P = matrix_2 1 (- 1) (- 1) 1 by rewrite /P /R_1; entry_by_entry; ring.
 have inverse : invmx (R_2 + B^T *m P *m B) = 1%:M.
   rewrite -[RHS]invmx1; congr invmx; rewrite EP.
   by entry_by_entry; rewrite !(mul0r, mulr0, mulr1, mul1r, add0r, addr0).
-have EBP : B^T *m P *m A = row_2 0 (- 1) by rewrite EP; entry_by_entry; ring.
+have EBP : B^T *m P *m A = row_2 0 (- 1).
+  by rewrite EP column_2_tr !row_matrix_2; congr row_2; ring.
 have Num : numerator A B E_1 = 'X - 1.
   rewrite numerator_2 !(mul0r, mulr0, mulr1, mul1r, add0r, addr0, subr0).
   by rewrite polyCN polyC1.
@@ -40,9 +41,10 @@ split.
 - move=> x; rewrite /P /R_1 mulmxA -trmx_mul -mulmxA mxE big_ord1 mxE.
   by rewrite -expr2 sqr_ge0.
 - rewrite inverse mulmx1 -{1}[P]add0r; congr (_ + _).
-  have -> : A^T *m P *m B = (B^T *m P *m A)^T by rewrite EP; entry_by_entry; ring.
+  have -> : A^T *m P *m B = (B^T *m P *m A)^T by rewrite !trmx_mul !trmxK !mulmxA.
   have -> (v : 'cV[R]_2) : v *m B^T *m P *m A = v *m (B^T *m P *m A) by rewrite !mulmxA.
-  by rewrite EBP EA_T EP; entry_by_entry; ring.
+  rewrite EBP EA_T EP row_2_tr column_row !matrix_2_mul matrix_2_opp matrix_2_add [LHS]zero_2.
+  by congr matrix_2; ring.
 - by rewrite inverse mul1mx EBP; entry_by_entry; rewrite ?oppr0 ?opprK.
 rewrite column_row matrix_2_add char_poly_2 !(mul0r, mulr0, mul1r, addr0, add0r, subr0).
 by rewrite oppr0 polyC0 addr0 mulrBr mulr1 expr2.

@@ -5,18 +5,22 @@ Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive
 Import GRing.Theory.
 Local Open Scope ring_scope.
 
+Section Sums.
+Variable V : zmodType.
+
+Lemma sum_of_one (F : 'I_1 -> V) : \sum_(i < 1) F i = F ord0 + 0.
+Proof. by rewrite big_ord_recl big_ord0. Qed.
+
+Lemma sum_of_two (F : 'I_2 -> V) : \sum_(i < 2) F i = F ord0 + (F (lift ord0 ord0) + 0).
+Proof. by rewrite !big_ord_recl big_ord0. Qed.
+End Sums.
+
 (* Decides an equation between matrices of at most two rows and columns, entry by entry. Sums of one
    and of two terms are written out in one step each: terms of many small steps take long to check. *)
 Ltac entry_by_entry :=
-  let one := fresh "one" in let two := fresh "two" in
-  assert (one : forall (V : zmodType) (F : 'I_1 -> V), \sum_(i < 1) F i = F ord0 + 0)
-    by (move=> ? ?; rewrite big_ord_recl big_ord0 //);
-  assert (two : forall (V : zmodType) (F : 'I_2 -> V),
-      \sum_(i < 2) F i = F ord0 + (F (lift ord0 ord0) + 0))
-    by (move=> ? ?; rewrite !big_ord_recl big_ord0 //);
   apply/matrixP; case=> [[|[|//]] ?]; case=> [[|[|//]] ?] //;
-  repeat first [rewrite !mxE | rewrite !(two, one) | rewrite !(big_ord_recl, big_ord0)];
-  clear one two; rewrite /=.
+  repeat first [rewrite !mxE | rewrite !(sum_of_two, sum_of_one) | rewrite !(big_ord_recl, big_ord0)];
+  rewrite /=.
 
 Section Entries.
 Variable R : comRingType.
@@ -38,6 +42,28 @@ Lemma matrix_2_add a b c d a' b' c' d' :
 Proof. by entry_by_entry. Qed.
 
 Lemma matrix_2_opp a b c d : - matrix_2 a b c d = matrix_2 (- a) (- b) (- c) (- d).
+Proof. by entry_by_entry. Qed.
+
+Lemma matrix_2_scale k a b c d : k *: matrix_2 a b c d = matrix_2 (k * a) (k * b) (k * c) (k * d).
+Proof. by entry_by_entry. Qed.
+
+Lemma matrix_2_tr a b c d : (matrix_2 a b c d)^T = matrix_2 a c b d.
+Proof. by entry_by_entry. Qed.
+
+Lemma row_2_tr a b : (row_2 a b)^T = column_2 a b.
+Proof. by entry_by_entry. Qed.
+
+Lemma column_2_tr a b : (column_2 a b)^T = row_2 a b.
+Proof. by entry_by_entry. Qed.
+
+Lemma row_matrix_2 a b a' b' c' d' :
+  row_2 a b *m matrix_2 a' b' c' d' = row_2 (a * a' + b * c') (a * b' + b * d').
+Proof. by entry_by_entry; rewrite addr0. Qed.
+
+Lemma row_column_2 a b c d : row_2 a b *m column_2 c d = (a * c + b * d)%:M.
+Proof. by entry_by_entry; rewrite addr0 ?mulr1n. Qed.
+
+Lemma zero_2 : 0 = matrix_2 0 0 0 0.
 Proof. by entry_by_entry. Qed.
 
 Lemma matrix_2_entries (M : 'M[R]_2) : exists a b c d, M = matrix_2 a b c d.

@@ -147,7 +147,7 @@ have M_pos : 0 < value M z.
   have : 0 < integer (Z.opp (sum_of n (excess (mkseq (fun i => mkseq (fun j => Z.sub (Z.mul s (Z.mul
     (nth Z0 weights i) (Z.mul (whole (cell l i j)) (nth Z0 weights j)))) (sum_of n (fun k =>
     Z.mul (number_of factor k i) (number_of factor k j)))) n) n) i))).
-    by apply: integer_gt0; move: row_i; lia.
+    by apply: integer_gt0; move: row_i; clear; lia.
   rewrite integerN oppr_gt0 sum_ofE; congr (_ < 0); apply: eq_bigr => j _.
   rewrite /excess /number_of !nth_mkseq // -/(number_of factor).
   have -> : M i j = integer (Z.sub (Z.mul s (Z.mul (nth Z0 weights i) (Z.mul (whole (cell l i j))
@@ -160,7 +160,7 @@ have M_pos : 0 < value M z.
     rewrite integerB !integerM sum_ofE congruent square !mxE; congr (_ - _).
     by apply: eq_bigr => k _; rewrite !mxE integerM.
   rewrite -[i == j]/(i == j :> nat); case: eqP => _; first by rewrite integerN.
-  by move: (Z.sub _ _) => m; rewrite /CertifiedEquations.integer -intr_norm; congr (_%:~R); lia.
+  by move: (Z.sub _ _) => m; rewrite /CertifiedEquations.integer -intr_norm; congr (_%:~R); clear; lia.
 rewrite y_Wz /value -bilinear_congruence -/(value _ z) -(pmulr_rgt0 _ (integer_gt0 s_gt0)) -value_scale.
 have -> : integer s *: (W^T *m Q *m W) = M + Fa^T *m Fa by rewrite /M subrK.
 rewrite value_add ltr_paddr // /value -[Fa^T]mulmx1 bilinear_congruence /bilinear mulmx1 mxE.

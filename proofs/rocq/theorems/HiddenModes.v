@@ -99,7 +99,8 @@ have unit_T : T \in unitmx.
   by rewrite mxrank1 in full_1; apply/eqP; rewrite eqn_leq rank_leq_col.
 have unit_2 : V_2 \in unitmx by rewrite -TV unitmx_mul unit_T.
 have [T' [K [F [formed _ regulator]]]] := invertible_parts_give_form invariant unit_1 unit_2.
-exists T', K, F; split=> //; apply/esym/(char_poly_similar _ (esym regulator)).
+exists T', K, F; split; first exact: formed.
+apply/esym/(char_poly_similar _ (esym regulator)).
 by rewrite -unitfE -unitmxE.
 Qed.
 End FullOrder.

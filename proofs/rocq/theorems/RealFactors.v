@@ -73,7 +73,7 @@ have [b0|nz_b] := eqVneq b 0.
   have [deg_s|deg_s] := ltnP 2 (size s).
     have [||q [monic_q deg_q divides]] := IH s; [by rewrite -ltnS -size_p | by [] |].
     by exists q; split=> //; rewrite Es dvdp_mulr.
-  have size_3 : size p = 3%N by move: (size p) (size s) deg_p size_p deg_s; lia.
+  have size_3 : size p = 3%N by move: (size p) (size s) deg_p size_p deg_s; clear; lia.
   exists ((lead_coef p)^-1 *: p); split.
   - by rewrite monicE lead_coefZ mulVf // lead_coef_eq0.
   - by rewrite size_scale ?invr_eq0 ?lead_coef_eq0.

@@ -124,7 +124,8 @@ have E_Phi_T : (Phi y)^T *m E_1^T = (g y)%:M by rewrite -trmx_mul E_Phi tr_scala
 rewrite !K_Phi -!raddfB /= !tr_scalar_mx [(E_2 *: E_1^T)^T]linearZ /= trmxK.
 rewrite [_ *m (E_1^T *m E_1)]mulmxA E_Phi_T -[_ *m E_1 *m _]mulmxA E_Phi.
 rewrite -[_ *m (E_2 *: E_1) *m _]mulmxA -scalemxAl E_Phi -[(Phi y)^T *m (_ *: _)]scalemxAr E_Phi_T.
-rewrite !scale_scalar_mx -!scalar_mxM -!raddfD /= => /(congr1 (fun M : 'M_1 => M 0 0)).
+have sum (a b : R) : a%:M + b%:M = (a + b)%:M :> 'M_1 by rewrite raddfD.
+rewrite !scale_scalar_mx -!scalar_mxM !sum => /(congr1 (fun M : 'M_1 => M 0 0)).
 rewrite !mxE eqxx !mulr1n closed closed !direct => identity.
 transitivity ((d y - k y) * W * (d x - k x)); first by ring.
 by rewrite identity; ring.

@@ -77,9 +77,8 @@ Theorem stabilising_solution_is_unique P K P' K' :
   stabilising P K -> stabilising P' K' -> P = P'.
 Proof.
 case=> solves_P in_K [solves_P' in_K']; apply/eqP; rewrite -subr_eq0; apply/eqP.
-apply: (@stein_zero R order (A + B *m K)^T (A + B *m K')) => //.
-  by rewrite char_poly_tr.
-exact: (difference_of_solutions R_2_symmetric solves_P solves_P').
+have in_K_T : inside (char_poly (A + B *m K)^T) by rewrite char_poly_tr; exact: in_K.
+exact: (stein_zero in_K_T in_K' (difference_of_solutions R_2_symmetric solves_P solves_P')).
 Qed.
 End Unique.
 

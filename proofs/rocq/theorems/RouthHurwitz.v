@@ -70,7 +70,7 @@ have alpha_gt0 : 0 < - rx by rewrite oppr_gt0; apply: (left (rx +i* ry)%C); rewr
 have {}left r : r \in rs -> Re r < 0 by move=> r_rs; apply: left; rewrite inE r_rs orbT.
 have {}IH := IH left; rewrite !big_cons.
 case: rs IH left => [|r rs] IH left.
-  rewrite !big_nil /= !mulr1 ?addr0; simpc; rewrite /=.
+  rewrite !big_nil !mulr1 addr0; simpc; rewrite /=.
   by rewrite le_eqVlt; apply/orP; left; apply/eqP; ring.
 have A_gt0 : 0 < - \sum_(t <- r :: rs) Re t.
   rewrite big_cons opprD ltr_paddr ?oppr_gt0 ?left ?mem_head // -sumrN big_seq.

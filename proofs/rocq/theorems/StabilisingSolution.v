@@ -313,7 +313,7 @@ have unit_1 : V_1 \in unitmx.
     have [step_1 step_2] := kernel _ IH_1; rewrite exprS -mulmxE -[S *m _ *m v]mulmxA step_1.
     by split=> //; rewrite IH_2 step_2 exprSr -mulmxE !mulmxA.
   pose r := reversed n (char_poly As).
-  have inside_As : inside (char_poly As) by rewrite char_poly_tr.
+  have inside_As : inside (char_poly As) by rewrite char_poly_tr; exact: stable_K.
   have unit_r : horner_mx S r \in unitmx.
     apply: horner_mx_unit; rewrite coprimep_sym; apply: apart => //.
       by rewrite monic_neq0 ?char_poly_monic.
@@ -341,7 +341,7 @@ have positive_P : positive_semidefinite P.
   have -> : P = (invmx V_1)^T *m Z *m invmx V_1.
     by rewrite /Z /P !mulmxA -trmx_mul mulmxV // trmx1 mul1mx.
   exact: semidefinite_congruence.
-clearbody P M; exists P, M; split=> //.
+clearbody P M; exists P, M; split; first exact: positive_P.
 - apply: (can_inj (mulmxK unit_1)); rewrite upper [RHS]mulmxDl -[_ *m M *m V_1]mulmxA MV.
   by rewrite [LHS]mulmxDl -PV !mulmxA.
 - apply: (can_inj (mulmxK unit_1)); rewrite mulmxDl -[_ *m M *m V_1]mulmxA MV PV.
@@ -360,8 +360,9 @@ have gain : innovation_weight B R_2 P *m K = - (0^T + B^T *m P *m A).
   rewrite trmx0 add0r factored /innovation_weight mulmxN mulmxDl mulmxDr; congr (- (_ + _)).
     by rewrite !mulmxA mulmxV // mul1mx.
   by rewrite /G !mulmxA.
-exists P, K; split=> //; split; last by rewrite closed.
-split=> //; first by case: positive_P.
+exists P, K; split; last exact: positive_P.
+split; last by rewrite closed; exact: inside_M.
+split; [by case: positive_P | exact: gain |].
 have WP_T : (innovation_weight B R_2 P)^T = innovation_weight B R_2 P.
   by rewrite /innovation_weight linearD /= !trmx_mul trmxK positive_P.1 positive_R.1 mulmxA.
 have APB : A^T *m P *m B = - (K^T *m innovation_weight B R_2 P).

@@ -75,7 +75,8 @@ split=> [|j|j].
   rewrite (next_P_inverse _ definite lambda_positive W_definite).
   exact/definite_inverse/(next_H_definite _ definite lambda_positive W_definite).
 - move: (same_P j) (same_X j); rewrite /column /=; case: (theta_and_P _ _ _ _ _ _ _ _ k) => t Q /= -> _.
-  by rewrite next_subsystem_PE // addr0.
+  (* By `by` the hypotheses are unified with the goal first, which unfolds the recursion: 12 s. *)
+  rewrite (next_subsystem_PE _ definite) addr0; reflexivity.
 move: (same_P j) (same_X j); rewrite /column /=; case: (theta_and_P _ _ _ _ _ _ _ _ k) => t Q /= -> ->.
 rewrite gain_8_62 // /next_theta addr0 subr0 invmx1 mulmx1 mul1mx /Upsilon invmx1 trmxK scalemx1.
 have -> : lambda%:M + (phi k.+1)^T *m P *m phi k.+1 = (lambda + value P (phi k.+1))%:M.

@@ -163,9 +163,9 @@ have deg_g : degree_below g r.
   have : (size (N_c - p_Q * N_o)%R <= n + r)%N.
     rewrite (leq_trans (size_add _ _)) // geq_max size_opp numerator_strictly_proper.
     rewrite (leq_trans (size_mul_leq _ _)) // deg_Q.
-    by have := numerator_strictly_proper A F K; rewrite -/N_o; move: (size N_o); lia.
+    by have := numerator_strictly_proper A F K; rewrite -/N_o; move: (size N_o); clear; lia.
   rewrite Eg size_Mmonic ?char_poly_monic // size_char_poly.
-  by move: nz_g; rewrite -size_poly_gt0; move: (size g); lia.
+  by move: nz_g; rewrite -size_poly_gt0; move: (size g); clear; lia.
 have [] := canonical_form monic_Q deg_Q deg_g.
 move: (companion r p_Q) (canonical_input R extra) (canonical_output extra g) 
   => A_q B_q C_q filter N_q.
@@ -191,7 +191,7 @@ Theorem youla_form_is_unique T K F A_q B_q C_q T' K' F' A_q' B_q' C_q' :
 Proof.
 move=> form_1 form_2 same_R same_O; have [c o] := minimal_plant.
 have EK := regulator_gain_is_unique c same_R; have EF := observer_gain_is_unique o same_O.
-rewrite -{}EK -{}EF in form_2 *; split=> //.
+rewrite -{}EK -{}EF in form_2 *; split; [reflexivity | reflexivity |].
 have same_Q : char_poly A_q = char_poly A_q'.
   have := youla_form_splits_spectrum form_1; rewrite (youla_form_splits_spectrum form_2).
   move/(mulIf (monic_neq0 (char_poly_monic _)))/(mulfI (monic_neq0 (char_poly_monic _))).

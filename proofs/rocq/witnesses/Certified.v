@@ -15,6 +15,9 @@ Local Open Scope ring_scope.
 Local Notation Q := [realFieldType of rat].
 Local Notation F := [fieldType of rat].
 
+(* Where a witness computes with zeros and ones it does so over any field K, and rat is put in at the end:
+   comparing two expressions of rational numbers unfolds their construction. *)
+
 Lemma one_semidefinite (R : realFieldType) n : positive_semidefinite (1%:M : 'M[R]_n).
 Proof. exact/definite_semidefinite/identity_definite. Qed.
 
@@ -36,13 +39,15 @@ Qed.
 
 Lemma in_ellipsoid_of_factors : ltac:(can_be_met (@MovingGains.in_ellipsoid_of_factors)).
 Proof.
-move=> absurd; apply: (absurd Q 1%N 1%N 1%:M 1%:M 1%:M 0 (trmx1 _ _)); first by rewrite trmx1 !mulmx1.
+move=> absurd; suff anywhere (K : realFieldType) : Logic.False by exact: (anywhere Q).
+apply: (absurd K 1%N 1%N 1%:M 1%:M 1%:M 0 (trmx1 _ _)); first by rewrite trmx1 !mulmx1.
 by rewrite big_ord1 big_ord1 mxE expr0n ler01.
 Qed.
 
 Lemma gains_beside_theta : ltac:(can_be_met (@MovingGains.gains_beside_theta)).
 Proof.
-move=> absurd; apply: (absurd Q 1%N 1%N 1%N 1%N 1%:M 0 0 0 0 0 0 1%:M 1%:M (const_mx 1) 0
+move=> absurd; suff anywhere (K : realFieldType) : Logic.False by exact: (anywhere Q).
+apply: (absurd K 1%N 1%N 1%N 1%N 1%:M 0 0 0 0 0 0 1%:M 1%:M (const_mx 1) 0
   (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (lexx 0) _ _ _ _ _ _ 0%N).
 - by move=> i; rewrite mxE ler01.
 - rewrite /MovingGains.scaled_small_gain !col_mx0; apply: nothing_dissipates.
@@ -63,7 +68,8 @@ by rewrite mulmx0 map_mx0 !mul0mx.
 Qed.
 
 Section Peaks.
-Let P : 'M[Q]_1 := 1%:M.
+Variable K : realFieldType.
+Let P : 'M[K]_1 := 1%:M.
 
 Lemma nothing_is_supplied : PeakBounds.supplied P 0 (0 : 'M_(1, 1)) (0 : 'M_(1, 1)) (0 : 'M_1) (0 : 'M_(1, 1))
   (0 : 'M_(1, 1)) 1%:M 1%:M 1 0.
@@ -73,35 +79,35 @@ by apply: block_semidefinite; apply: one_semidefinite.
 Qed.
 
 Lemma nothing_is_driven : PeakBounds.driven_motion 0 (0 : 'M_(1, 1)) (0 : 'M_(1, 1)) (0 : 'M_1) (0 : 'M_(1, 1))
-  (0 : 'M_(1, 1)) 1%:M 1%:M (fun=> 0 : 'cV[Q]_1) (fun=> 0) (fun=> 0).
+  (0 : 'M_(1, 1)) 1%:M 1%:M (fun=> 0 : 'cV[K]_1) (fun=> 0) (fun=> 0).
 Proof.
 by split=> k; rewrite ?mulmx0 ?addr0 // /ForwardConvergence.square /value /bilinear mulmx0 mxE ler01.
 Qed.
 
-Lemma nothing_at_the_start : value P (0 : 'cV_1) <= PeakBounds.level (1 : Q) 0.
+Lemma nothing_at_the_start : value P (0 : 'cV_1) <= PeakBounds.level (1 : K) 0.
 Proof. by rewrite /PeakBounds.level subr0 divr1 /value /bilinear mulmx0 mxE ler01. Qed.
 
-Let range : 0 <= (0 : Q) < 1. Proof. by rewrite lexx ltr01. Qed.
+Lemma no_contraction : 0 <= (0 : K) < 1. Proof. by rewrite lexx ltr01. Qed.
+End Peaks.
 
 Lemma states_stay_below_the_level : ltac:(can_be_met (@PeakBounds.states_stay_below_the_level)).
 Proof.
-move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ nothing_is_supplied ler01 range _ _ _
-  nothing_is_driven nothing_at_the_start 0%N).
+move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ (nothing_is_supplied Q) ler01
+  (no_contraction Q) _ _ _ (nothing_is_driven Q) (nothing_at_the_start Q) 0%N).
 Qed.
 
 Lemma signal_bound : ltac:(can_be_met (@PeakBounds.signal_bound)).
 Proof.
-move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ nothing_is_supplied ler01 range _ _ _
-  nothing_is_driven nothing_at_the_start 0%N 0 (one_definite _)).
+move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ (nothing_is_supplied Q) ler01
+  (no_contraction Q) _ _ _ (nothing_is_driven Q) (nothing_at_the_start Q) 0%N 0 (one_definite _)).
 Qed.
 
 Lemma form_bound : ltac:(can_be_met (@PeakBounds.form_bound)).
 Proof.
-move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ nothing_is_supplied ler01 range _ _ _
-  nothing_is_driven nothing_at_the_start 0%N 1%N 0 0 1 ler01).
+move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ (nothing_is_supplied Q) ler01
+  (no_contraction Q) _ _ _ (nothing_is_driven Q) (nothing_at_the_start Q) 0%N 1%N 0 0 1 ler01).
 by rewrite mulmx0 subr0 scale1r; apply: one_semidefinite.
 Qed.
-End Peaks.
 
 Lemma channels_add_up : ltac:(can_be_met (@PeakBounds.channels_add_up)).
 Proof.

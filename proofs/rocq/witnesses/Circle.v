@@ -220,7 +220,8 @@ Proof. by move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 0 0 0
 Lemma retrospective_input_minimises :
   ltac:(can_be_met (@RetrospectiveInput.retrospective_input_minimises)).
 Proof.
-move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 1 0 0 _ 1%:M); rewrite ?trmx0 //.
+move=> absurd; suff anywhere (K : realFieldType) : Logic.False by exact: (anywhere [realFieldType of rat]).
+apply: (absurd K 1%N 1%N 0 0 1 0 0 _ 1%:M); rewrite ?trmx0 //.
   by rewrite /RetrospectiveInput.quadratic_part mulmx0 add0r; apply: one_definite.
 rewrite /RetrospectiveInput.retrospective_input /RetrospectiveInput.linear_part !(mulmx0, mul0mx) scaler0.
 by rewrite mulmx0 scaler0 oppr0; apply: one_is_not_zero.

@@ -55,9 +55,10 @@ Qed.
 
 Lemma motion_in_the_hull : ltac:(can_be_met (@Contraction.motion_in_the_hull)).
 Proof.
-have zero (t : 'cV[Q]_1) : Contraction.affine_loop (0 : 'M[Q]_1) (fun=> 0) t = 0.
+move=> absurd; suff anywhere (K : realFieldType) : Logic.False by exact: (anywhere Q).
+have zero (t : 'cV[K]_1) : Contraction.affine_loop (0 : 'M[K]_1) (fun=> 0) t = 0.
   by rewrite /Contraction.affine_loop big_ord1 scaler0 addr0.
-move=> absurd; apply: (absurd Q 1%N 1%N 1%N 0 (fun=> 0) 1%:M 0 (fun=> 0) (fun _ _ => 1) (fun=> 0) (lexx 0)
+apply: (absurd K 1%N 1%N 1%N 0 (fun=> 0) 1%:M 0 (fun=> 0) (fun _ _ => 1) (fun=> 0) (lexx 0)
   (definite_semidefinite (one_definite _)) _ _ _ _ 0%N).
 - by move=> i; rewrite zero; apply: zero_contracts.
 - by move=> k i; apply: ler01.
@@ -257,14 +258,16 @@ Proof. by move=> absurd; apply: (absurd RR 'X 0%N); rewrite size_polyX. Qed.
 Lemma schur_cohn : ltac:(can_be_met (@SchurCohn.schur_cohn)).
 Proof. by move=> absurd; apply: (absurd RR 0%N 1); rewrite size_poly1. Qed.
 
+Lemma constant_member (R : rcfType) e o :
+  Kharitonov.kharitonov_polynomial 0 (fun=> 1 : R) (fun=> 1) e o = 1.
+Proof. by apply/polyP=> -[|i]; rewrite coef_poly coef1 //= if_same. Qed.
+
 Lemma kharitonov : ltac:(can_be_met (@Kharitonov.kharitonov)).
 Proof.
-have constant e o : Kharitonov.kharitonov_polynomial 0 (fun=> 1 : RR) (fun=> 1) e o = 1.
-  by apply/polyP=> -[|i]; rewrite coef_poly coef1 //= if_same.
 move=> absurd; apply: (absurd RR 0%N (fun=> 1) (fun=> 1) 1 ltr01) => [|e o z].
   split=> [|i]; first by rewrite size_poly1.
   by rewrite leqn0 => /eqP->; rewrite coef1 !lexx.
-by rewrite constant rmorph1 (negPf (root1 z)).
+by rewrite constant_member rmorph1 (negPf (root1 z)).
 Qed.
 
 Lemma kharitonov_3 : ltac:(can_be_met (@Kharitonov.kharitonov_3)).
