@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -27,6 +28,7 @@ from rcac_numeric.identification._box_jenkins import (
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._process_records import DEGREES
 
+ROUNDS = 8  # in which a frequency and all else are fitted in turn
 STEP = 1e-6  # of a coefficient of the noise, for the derivatives by it
 
 
@@ -346,6 +348,34 @@ def joint_fit(
         channels, noise, start.slope, start.sinusoid, e, J[:, record.observed], parameters, bic,
         student < gauss - 0.02,
     )  # fmt: skip
+
+
+def tuned(record: JointRecord, fit: JointFit) -> JointFit:
+    """The fit with the frequency of its sinusoid fitted in turn with all else, until it settles."""
+    width = np.pi / record.longest / 4
+    for _ in range(ROUNDS):
+        start = fit.start
+
+        def square(omega: float, start: JointStart = start) -> float:
+            errors = _JointErrors(record, replace(start, sinusoid=float(omega)), None)
+            theta = errors.joined([(one.A, one.B) for one in start.channels], start.noise)
+            point = errors.at(theta)
+            return np.inf if point is None else point.square
+
+        near = start.sinusoid
+        best = minimize_scalar(
+            square, bounds=(max(near - width, 0.1 * near), near + width), method="bounded",
+            options={"xatol": 1e-5 * width},
+        )  # fmt: skip
+        again = joint_fit(record, replace(start, sinusoid=float(best.x)))
+        if again is None or again.bic >= fit.bic:
+            break
+        has_settled = again.bic > fit.bic - 0.1
+        fit = again
+        if has_settled:
+            break
+        width = max(4 * abs(fit.sinusoid - near), 0.01 * width)
+    return fit
 
 
 def student_weights(record: JointRecord, fit: JointFit) -> Array:

@@ -31,6 +31,7 @@ from rcac_numeric.identification._joint_fits import (
     joint_fit,
     reweighted,
     student_weights,
+    tuned,
 )
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._prediction_error import ODDS
@@ -58,7 +59,6 @@ from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 
 SWEEPS = 3  # over the inputs, in a start
 MOST_ORDER = 3  # of a channel
-TUNED = 2  # times that a frequency is fitted again beside the plant
 EXTENSIONS = 8  # of the best model
 POLES = (0.2, 0.5, 0.7, 0.85, 0.93, 0.97)  # one of which extends a channel
 SLOWEST = 0.99  # pole of a channel of first order in place of one that oscillates
@@ -175,6 +175,9 @@ class JointSearch:
         if self._reduce():
             self._grow()  # fewer poles elsewhere: another pole may be credible
         self._cancelled()
+        if self.fits and self.fits[0].sinusoid:
+            self.fits.append(self._priced(tuned(self.record, self.fits[0])))
+            self._reduce()
 
     def _fit_again(self, record: JointRecord) -> None:
         """The best models fitted to a record of other steps: a BIC is of the steps it counts."""
@@ -508,13 +511,9 @@ class JointSearch:
                     short.append(self._priced(fit))
         for one in sorted(short, key=_bic)[:2]:
             fit = self.fit(one.start)
-            for _ in range(TUNED):
-                if fit is None:
-                    break
-                v = joint_disturbance(record, fit.channels)
-                near, _ = without_sinusoid(v, fit.sinusoid, record.parts, record.observed)
-                fit = self.fit(replace(fit.start, sinusoid=near))
             if fit is not None:
+                fit = self._priced(tuned(record, fit))
+                self.fits.append(fit)
                 self._moved(fit)
 
     def _cancelled(self) -> None:

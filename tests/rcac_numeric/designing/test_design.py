@@ -121,6 +121,18 @@ def test_what_a_zero_keeps_from_y_has_no_integrator_in_the_controller(G, sample_
         assert result.compensator.n_c == len(plant.A)  # and no more for the disturbance
 
 
+@pytest.mark.parametrize("rival", ["6/(q^4*(q - 0.9))", "0.2/(q^9*(q - 0.98))"])
+def test_the_controller_is_slower_where_it_is_to_hold_rivals(rival):
+    """Of a model whose best controller loses them; the loop's eigenvalues are those of no grid."""
+    plant, other = (read_plant(G, None, 0.0) for G in ("1/(q^2*(q - 0.8))", rival))
+    expected, _ = read_expected("unknown", 0.01, None, np.inf, plant.low_gain)
+    fastest = WeightGrid(plant, expected).best()
+    slower = WeightGrid(plant, expected, rivals=[other]).best()
+    assert fastest.loop(plant).spectral_radius < 1 and slower.loop(plant).spectral_radius < 1
+    assert not fastest.loop(other).spectral_radius < 1
+    assert slower.loop(other).spectral_radius < 1 and slower.peak <= 2
+
+
 @pytest.mark.costly
 def test_the_pendulum_of_a_cart_is_designed_for_in_words_of_its_own():
     designed = design(PENDULUM, sample_time=0.01, **QUICK)

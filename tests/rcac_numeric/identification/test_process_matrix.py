@@ -10,11 +10,16 @@ from scipy.stats import binom
 
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.compiled._gaps import errors_with_gaps
-from rcac_numeric.identification import identify_process_matrix
-from rcac_numeric.identification._box_jenkins import NoiseModel
+from rcac_numeric.identification import _joint_stability, identify_process_matrix
+from rcac_numeric.identification._box_jenkins import NoiseModel, without_sinusoid
 from rcac_numeric.identification._joint_fits import Channel, JointStart, _JointErrors
 from rcac_numeric.identification._joint_records import _smoothed, inputs_of, joint_record
-from rcac_numeric.identification._joint_stability import LIMIT, largest_root, unstable_root
+from rcac_numeric.identification._joint_stability import (
+    LIMIT,
+    _Regression,
+    largest_root,
+    unstable_root,
+)
 from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_matrix import matrix_search
 
@@ -69,10 +74,10 @@ def test_errors_with_gaps_are_those_of_the_covariance_of_what_is_there(zeros, po
 @settings(max_examples=25)
 @given(
     seed=st.integers(0, 999), gaps=st.booleans(), parts=st.booleans(), slope=st.booleans(),
-    differences=st.integers(0, 1), weighted=st.booleans(),
+    differences=st.integers(0, 1), weighted=st.booleans(), sinusoid=st.sampled_from([0.0, 0.3]),
 )  # fmt: skip
 def test_the_gradient_is_that_of_the_prediction_errors(
-    seed, gaps, parts, slope, differences, weighted
+    seed, gaps, parts, slope, differences, weighted, sinusoid
 ):
     rng = np.random.default_rng(seed)
     u, y = two_by_two(seed, 200)
@@ -85,7 +90,7 @@ def test_the_gradient_is_that_of_the_prediction_errors(
     channels = (Channel(0, np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1),
                 Channel(1, np.array([1, -0.7]), np.array([0.2, 0.1]), 0, True))  # fmt: skip
     weights = 1 + 0.5 * np.sin(np.arange(200)) if weighted else None
-    errors = _JointErrors(record, JointStart(channels, noise, slope), weights)
+    errors = _JointErrors(record, JointStart(channels, noise, slope, sinusoid), weights)
     theta = errors.joined([(one.A, one.B) for one in channels], noise)
     point, h = errors.at(theta), 1e-6
     J = point.jacobian()
@@ -97,6 +102,59 @@ def test_the_gradient_is_that_of_the_prediction_errors(
             # Kaufman's: the part in the space of what is free is left out.
             rest[part] -= piece.Q @ (piece.Q.T @ rest[part])
         assert np.abs(rest).max() < 1e-4 * (1 + np.abs(row).max())
+
+
+@given(
+    seed=st.integers(0, 999), omega=st.floats(0.05, 2.5), off=st.floats(-0.9, 0.9),
+    gaps=st.booleans(), parts=st.booleans(),
+)  # fmt: skip
+def test_the_frequency_of_a_sinusoid_beside_the_level(seed, omega, off, gaps, parts):
+    """Each part has a phase and a level of its own; the search begins within half a bin."""
+    rng = np.random.default_rng(seed)
+    parts = [slice(0, 110), slice(110, 200)] if parts else [slice(0, 200)]
+    v = 0.01 * rng.standard_normal(200)
+    for part in parts:
+        k = np.arange(part.stop - part.start)
+        v[part] += rng.uniform(-3, 3) + np.sin(omega * k + rng.uniform(0, 6))
+    observed = rng.random(200) > 0.2 * gaps
+    longest = max(part.stop - part.start for part in parts)
+    near = omega + off * np.pi / longest
+    frequency, rest = without_sinusoid(np.where(observed, v, 99.0), near, parts, observed)
+    # Least variance 24 s^2/(a^2 N^3) (Rife and Boorstyn): 6 deviations of the shorter part.
+    assert abs(frequency - omega) < 6 * 0.01 * np.sqrt(24 / 70**3)
+    assert np.std(rest[observed]) < 0.02
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("seed", range(3))
+def test_a_sinusoid_is_no_mode_of_a_channel(seed):
+    """An oscillating channel fits it by its initial state: gains of the wrong sign at rest."""
+    rng = np.random.default_rng(seed)
+    u = rng.standard_normal((300, 2))
+    y = lfilter([0] * 4 + [0.3], [1, -0.8], u[:, 0]) + lfilter([0, 0, 0.1], [1, -0.9], u[:, 1])
+    y += 6 * np.sin(0.05 * np.arange(300)) + 0.01 * rng.standard_normal(300)
+    model = identify_process_matrix(u, y)
+    assert not model.failed
+    assert np.abs(model.gain / [[1.5, 1.0]] - 1).max() < 0.05
+    assert np.array_equal(model.delays, [[3, 1]])
+
+
+def test_an_unstable_root_of_one_regression_alone_is_an_accident(monkeypatch):
+    u, y = two_by_two(0, 60)
+    record = joint_record(inputs_of(u, (0,)), y[:, 0], "y")
+
+    def roots(places):
+        def regression(_record, order, _is_whole):
+            return _Regression(0.0, [(places.get(order, 0.5), 0.01)])
+
+        monkeypatch.setattr(_joint_stability, "_regression", regression)
+        return unstable_root(record, LIMIT)
+
+    assert roots({16: 1.1}) is None
+    assert roots({12: 1.2, 16: -1.2}) is None
+    assert roots({12: 1.012, 16: 1.1}) is None
+    assert roots({12: 1.11, 16: 1.1}) == 1.11
+    assert roots({4: 1.0999, 16: 1.1}) == 1.1
 
 
 @given(seed=st.integers(0, 999), share=st.floats(0.05, 0.6))
