@@ -140,7 +140,7 @@ def test_a_sinusoid_is_no_mode_of_a_channel(seed):
 
 
 def test_an_unstable_root_of_one_regression_alone_is_an_accident(monkeypatch):
-    u, y = two_by_two(0, 60)
+    u, y = two_by_two(0, 200)
     record = joint_record(inputs_of(u, (0,)), y[:, 0], "y")
 
     def roots(places):
