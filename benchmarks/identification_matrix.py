@@ -358,7 +358,7 @@ class StateLoop(GateLoop):
 
 
 def judged(logs, plant, parts):
-    """Whether the signs of the entries are right, and the spectral radius with the true plant."""
+    """The entries of wrong sign, the spectral radius with the true plant, and where signs count."""
     true = matrix_of(logs.entries)
     radius = loop_radius(true.servo(), parts)
     L = plant.response(OMEGA) @ responses_of(parts, OMEGA)
@@ -369,11 +369,28 @@ def judged(logs, plant, parts):
         (i, j) for i in range(true.m) for j in range(true.m)
         if G[i, j] and H[i, j] and not np.real(H[i, j] / G[i, j]) > 0
     ]  # fmt: skip
-    return wrong, float(radius)
+    return wrong, float(radius), low
 
 
-def oracle_is_ok(logs):
-    """Whether the true structure, fitted from the truth, gives a good loop."""
+def error_of(logs, plant, low):
+    """The largest relative error about the crossover, which is 3 times `low`; in the 2-norm."""
+    omega = np.geomspace(1.5 * low, min(6 * low, np.pi), 9)
+    G, H = matrix_of(logs.entries).response(omega), plant.response(omega)
+    norm = np.linalg.norm(G, 2, axis=(1, 2))
+    return float(np.max(np.linalg.norm(H - G, 2, axis=(1, 2)) / norm))
+
+
+def oracle_is_ok(logs, plant):
+    """Whether a plant, that of the oracle, gives a good loop."""
+    controller = lqg(plant) if plant is not None else None
+    if controller is None:
+        return False
+    wrong, radius, _ = judged(logs, plant, controller[0])
+    return not wrong and radius < 1
+
+
+def oracle_plant(logs):
+    """The true structure, fitted from the truth."""
     u = np.concatenate([log.u[1:] if logs.is_direct else log.u for log in logs.logs])
     y = np.concatenate([log.y[:-1] if logs.is_direct else log.y for log in logs.logs])
     sizes = [log.steps - logs.is_direct for log in logs.logs]
@@ -394,7 +411,7 @@ def oracle_is_ok(logs):
             if fit is not None and (best is None or fit.bic < best.bic):
                 best = fit
         if best is None:
-            return False
+            return None
         fits.append(best)
         search = JointSearch.__new__(JointSearch)
         search.record = record
@@ -404,11 +421,7 @@ def oracle_is_ok(logs):
         one = fits[0].channels[0]
         unit = searches[0].record.unit_y / inputs.units[0]
         plant = design_plant(one.B, one.A, one.delay, unit, None)
-    controller = lqg(plant)
-    if controller is None:
-        return False
-    wrong, radius = judged(logs, plant, controller[0])
-    return not wrong and radius < 1
+    return plant
 
 
 def row_of(kind, seed, by_design):
@@ -427,13 +440,23 @@ def row_of(kind, seed, by_design):
             plant, parts, model = designed(logs)
     except CompensatorError as error:
         row |= {"time": time.process_time() - start, "refused": str(error)}
-        return row | {"oracle": oracle_is_ok(logs)}
+        return row | {"oracle": oracle_is_ok(logs, oracle_plant(logs))}
     row["time"] = time.process_time() - start
-    wrong, radius = judged(logs, plant, parts)
+    wrong, radius, low = judged(logs, plant, parts)
+    oracle = oracle_plant(logs)
     return row | {
+        "error": error_of(logs, plant, low),
+        "oracle error": np.inf if oracle is None else error_of(logs, oracle, low),
         "wrong": wrong, "radius": radius, "bad": bool(wrong) or not radius < 1,
         "model": str(model),
     }  # fmt: skip
+
+
+def quantiles(rows, name):
+    """Median and 90 % quantile."""
+    return ", ".join(
+        f"{q:.2g}" for q in np.quantile([row[name] for row in rows] or [0], [0.5, 0.9])
+    )
 
 
 def print_table(rows):
@@ -448,8 +471,9 @@ def print_table(rows):
             f"{kind}: {len(of_kind)} logs, handed out {len(out)}, bad "
             f"{sum(row['bad'] for row in out)}; refused {len(of_kind) - len(out)}, though "
             f"oracle ok {lost} "
-            f"({100 * lost / max(ok, 1):.0f} %); CPU s a log, median "
-            f"{np.median([row['time'] for row in of_kind]):.1f}"
+            f"({100 * lost / max(ok, 1):.0f} %); error about the crossover, median and 90 %: "
+            f"{quantiles(out, 'error')} (oracle {quantiles(out, 'oracle error')}); CPU s a log, "
+            f"median {np.median([row['time'] for row in of_kind]):.1f}"
         )
 
 
