@@ -271,7 +271,7 @@ def _ask_for_determinant(matrix: ImmutableMatrix) -> None:
     if not symbols or not all(entry.is_polynomial(*symbols) for entry in matrix):
         return
     entries = [Poly(entry, *symbols) for entry in matrix]
-    degree = matrix.rows * max(int(entry.total_degree()) for entry in entries)
+    degree = matrix.rows * int(max(0, *(entry.total_degree() for entry in entries)))
     separate = (max(d) for d in zip(*(entry.degree_list() for entry in entries), strict=True))
     box = math.prod(matrix.rows * max(0, int(d)) + 1 for d in separate)
     most = min(box, math.comb(degree + len(symbols), degree))

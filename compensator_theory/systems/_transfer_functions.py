@@ -400,7 +400,7 @@ class TransferFunction(System):
         sides = self.numerator, self.denominator
         top, bottom = inverted(sides) if exponent < 0 else sides
         for side in (top, bottom):
-            ask("degree", max(0, int(side.total_degree())) * abs(exponent), "the power")
+            ask("degree", int(max(0, side.total_degree())) * abs(exponent), "the power")
         return TransferFunction(
             canonical(top ** abs(exponent)),
             canonical(bottom ** abs(exponent)),

@@ -311,9 +311,12 @@ class ProcessSearch:
                 break
 
     def _integrating(self) -> None:
-        """A pole at 1, u summed, where one is so near that the record cannot tell."""
+        """A pole at 1, u summed, where one is so near that the record cannot tell.
+
+        And where the level has a slope: the response of an integrating plant to a step is one.
+        """
         slow = self._may_integrate()
-        if not slow:
+        if not slow and not any(one.slope for one in self._best(2)):
             return
         none = NoiseModel(ONE, ONE, 0)
         starts = []

@@ -5,7 +5,7 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import InputError, Realisation, budget
+from compensator_theory import InputError, Realisation, budget, solve_stein, transfer_function
 from compensator_theory.errors import BudgetError, ImproperError
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer, nonzero_point
@@ -62,6 +62,15 @@ def test_feedback(sizes, sign, data):
     assume(difference.det() != 0)
     assert value(loop, point) == difference.inv() * g
     assert loop.n == G.n + K.n
+
+
+def test_powers_and_equations_of_zero():
+    zero = transfer_function("0", "s")
+    assert zero**2 == zero and (zero**0).numerator == 1
+    with pytest.raises(InputError, match="no inverse"):
+        _ = zero**-1
+    X, a, b = solve_stein([["a", 0], [0, "b"]], [[1, 0], [0, 1]]).X, *sympy.symbols("a b")
+    assert sympy.simplify(X - sympy.diag(1 / (1 - a**2), 1 / (1 - b**2))).is_zero_matrix
 
 
 def test_powers_down_to_none():
