@@ -410,8 +410,8 @@ def joint_disturbance(record: JointRecord, channels: tuple[Channel, ...]) -> Arr
 
 
 def joint_residual(record: JointRecord, fit: JointFit) -> Array:
-    """What plant, levels and slopes leave of y, at the observed steps."""
-    errors = _JointErrors(record, fit.start, None)
+    """What plant, levels and slopes leave of y at the observed steps: noise, and a sinusoid."""
+    errors = _JointErrors(record, replace(fit.start, sinusoid=0.0), None)
     theta = errors.joined([(one.A, one.B) for one in fit.channels], fit.noise)
     point = errors.at(theta)
     v = joint_disturbance(record, fit.channels)

@@ -321,9 +321,10 @@ def identify_process_matrix(
     """Identify a plant of several inputs and outputs, over several experiments and gaps.
 
     Each output has its own Box-Jenkins model: one transfer function of order 3 at most with its
-    own delay for each input, and one noise model. Levels, slopes and initial states are fitted for
-    each experiment. Where steps are missing (NaN) the errors are those of the Kalman filter of the
-    noise: y is not interpolated. An input without which the BIC is not larger by odds of ten
+    own delay for each input, and one noise model. Levels, slopes, initial states and, where it
+    pays, one sinusoid are fitted for each experiment. Where steps are missing (NaN) the errors are
+    those of the Kalman filter of the noise: y is not interpolated. An input without which the BIC
+    is not larger by odds of ten
     thousand has no entry. For stable and integrating plants; of one input and output without gaps
     `identify_process` takes unstable ones too.
 

@@ -137,6 +137,7 @@ def test_a_sinusoid_is_no_mode_of_a_channel(seed):
     assert not model.failed
     assert np.abs(model.gain / [[1.5, 1.0]] - 1).max() < 0.05
     assert np.array_equal(model.delays, [[3, 1]])
+    assert np.std(model.residuals[0]) == pytest.approx(6 / np.sqrt(2), rel=0.05)  # what is not u
 
 
 def test_an_unstable_root_of_one_regression_alone_is_an_accident(monkeypatch):
