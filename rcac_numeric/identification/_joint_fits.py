@@ -26,6 +26,7 @@ from rcac_numeric.identification._box_jenkins import (
     sinusoids,
 )
 from rcac_numeric.identification._joint_records import JointRecord
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_records import DEGREES
 
 ROUNDS = 8  # in which a frequency and all else are fitted in turn
@@ -341,6 +342,7 @@ def joint_fit(
     gauss, student, _ = record.likelihood(e)
     parameters = len(point.theta) + errors.free + 1 + bool(start.sinusoid)
     bic = record.count * min(gauss, student) + parameters * float(np.log(record.count))
+    bic += ODDS * bool(start.sinusoid)  # a random walk looks like two periods of one
     channels = tuple(
         replace(one, A=A, B=B) for one, (A, B) in zip(start.channels, polynomials, strict=True)
     )
