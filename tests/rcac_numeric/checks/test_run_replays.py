@@ -132,10 +132,6 @@ def test_a_saved_run_is_consistent(kind, data, tmp_path_factory):
     assert "replay" in check.unanswered or check.replay.agrees
 
 
-# Open: of a loop that grew to 1e12 in 30 steps a changed u was called consistent once.
-EXPLODED = 1e6
-
-
 @pytest.mark.costly
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "RCAC changed within limits"])
 @given(data=st.data())
@@ -145,7 +141,7 @@ def test_a_changed_u_is_found_at_its_step(kind, data):
     begin = getattr(run.settings, "k_w", 0)
     if isinstance(run.settings, rn.Decentralized):
         begin = max(one.k_w for one in run.settings.controllers)
-    if run.steps < begin + 5 or np.abs(run.u).max() > EXPLODED:
+    if run.steps < begin + 5:
         return
     k = data.draw(st.integers(begin, run.steps - 1))
     difference = 0.1 * (np.abs(run.u).max() or 1.0)
