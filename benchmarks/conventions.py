@@ -180,7 +180,7 @@ def verdict(kind: Kind, logged: dict) -> str:
         return "none"
     names = [str(one.convention) for one in search.matches]
     has_limits = search.matches[0].u_limits is not None
-    if kind.words not in names or has_limits != bool(kind.limited):
+    if (kind.words or "ours") not in names or has_limits != bool(kind.limited):
         return f"wrong: {names}"
     return "right" if search.is_unique else f"ambiguous: {names}"
 

@@ -24,7 +24,6 @@ from rcac_numeric.checks._conventions import (
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._regressor import regressor
 from rcac_numeric.checks._replays import (
-    ROUNDING,
     SHIFTS,
     ControlReplay,
     Replayer,
@@ -463,9 +462,9 @@ def _gaps(replayer: Replayer, rows: ThetaRows, limits: Array, open_: Array) -> t
     inside = replace(
         rows, log=replaced(rows.log, u=np.clip(u, *limits)), errors={**rows.errors, "u": moved}
     )
-    unit, count = replayer.errors.sum_unit, len(replayer.structure.taps)
-    computed, terms, bound = inside.computed(replayer.structure, unit)
-    allowed = ROUNDING * float(terms.max()) + bound + error + (2 * count + 8) * unit * terms
+    errors = replayer.errors
+    computed, terms, bound = inside.computed(replayer.structure, errors.sum_unit)
+    allowed = errors.floor + errors.digits(terms, bound, len(replayer.structure.taps))
     return (u - computed)[:, 0], allowed[:, 0]
 
 

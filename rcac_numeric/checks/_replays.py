@@ -8,7 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._rounding import roundings_of
+from rcac_numeric.arrays._rounding import UNWRITTEN, Rounding, roundings_of
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result, replaced
 from rcac_numeric.checks._conventions import OURS, Convention, convention_of
@@ -19,10 +19,12 @@ from rcac_numeric.controllers._regressor import regressor_of
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._saturation import Saturation, limits_of
 
-# Rounding of the same sum in float64, added in another order.
+# Of the largest u until then: another program may compute u in another form. The terms that u is
+# the sum of have the rounding of float64 alone; where a loop explodes they exceed u by 1e10.
 ROUNDING = 1e-9
 # Coefficients that were logged only once may have moved by as much in the last tenth.
 STILL = 1e-5
+FLOAT64_UNIT = 2.0**-53
 # ThetaRows of theta that made u(k), from row k on: k - 1 where row k is the result of step k, k + 1
 # where theta is logged one step late.
 SHIFTS = (0, 1, -1)
@@ -53,8 +55,8 @@ class ControlReplay(Result):
         theta does not, whose differences are then given.
     tolerance : float
         The largest `worst` that counts as the same u at that step: what the roundings of the log
-        leave open, carried through Phi theta; 1e-9 for a log in float64, 1e-5 where theta was
-        logged once.
+        leave open, carried through Phi theta, and 1e-9 of the largest u until then; 1e-5 where
+        theta was logged once.
     resolution : str
         The roundings of the log in words; empty where they do not matter.
     limited : int
@@ -197,13 +199,13 @@ class Replayer:
                     *rows.computed(self.structure, self.errors.sum_unit),
                     rows.start,
                     shift=rows.shift,
-                    floor=ROUNDING if log.has_history else STILL,
+                    is_still=not log.has_history,
                     count=len(self.structure.taps),
                     limits=limits if is_after else None,
                 )
             )
         agreeing = [each for each in replays if each.agrees]
-        return agreeing[0] if agreeing else min(replays, key=lambda each: each.worst)
+        return agreeing[0] if agreeing else min(replays, key=lambda one: one.worst / one.tolerance)
 
     def rows(self, convention: Convention, log: ControllerLog | None = None) -> list[ThetaRows]:
         """The log in a convention, for each row of theta that u(k) may belong to."""
@@ -325,7 +327,7 @@ def replay_compensator(
     since = log.steps - max(log.steps // 10, 1) if k_w is None else k_w
     start = max(len(compensator.past_u), since)
     return errors.compared(
-        outputs, terms, bound, start, of="the compensator", floor=STILL, count=count,
+        outputs, terms, bound, start, of="the compensator", is_still=True, count=count,
         limits=limits if is_after else None,
     )  # fmt: skip
 
@@ -349,7 +351,7 @@ class LogErrors:
         is_measured = name in ("y", "z", "r")
         parts = [values] if values.ndim == 1 else list(values.T)
         bounds = [
-            one.error(part, with_step=not is_measured)
+            one.error(part, with_step=not is_measured) + unwritten(one, part)
             for one, part in zip(self.roundings[name], parts, strict=True)
         ]
         return bounds[0] if values.ndim == 1 else np.column_stack(bounds)
@@ -378,7 +380,19 @@ class LogErrors:
         if self.tolerance is not None:
             return 0.0
         names = ("u", "theta") if "theta" in self.roundings else ("u",)
-        return max(one.sum_unit for name in names for one in self.roundings[name])
+        units = [one.sum_unit for name in names for one in self.roundings[name]]
+        return max(FLOAT64_UNIT, *units)
+
+    @property
+    def floor(self) -> Array:
+        """1e-9 of the largest u until each step, shape (steps, 1)."""
+        return ROUNDING * np.maximum.accumulate(np.abs(self.log.u).max(axis=1))[:, None]
+
+    def digits(self, terms: Array, bound: Array, count: int) -> Array:
+        """The difference from Phi theta that the digits of the log leave open at each step."""
+        error = self.signals["u"]
+        assert error is not None
+        return np.asarray(bound + error + (2 * count + 8) * self.sum_unit * terms)
 
     def require_steps(self, start: int) -> None:
         """Raise an error if no step from `start` on was logged."""
@@ -397,14 +411,13 @@ class LogErrors:
         *,
         shift: int = 0,
         of: str = "theta",
-        floor: float = ROUNDING,
+        is_still: bool = False,
         count: int = 1,
         limits: tuple[Array, Array] | None = None,
     ) -> ControlReplay:
         """Compare the logged u with the computed one, step by step, within the roundings."""
         self.require_steps(start)
-        u, error, limited = self.log.u, self.signals["u"], 0
-        assert error is not None
+        u, limited = self.log.u, 0
         compared = slice(start, self.log.steps - (shift < 0))  # the last row has no row after it
         if limits is not None:
             inside = np.clip(u_computed, *limits)
@@ -415,9 +428,10 @@ class LogErrors:
         if self.tolerance is not None:
             allowed = np.full_like(gaps, self.tolerance)
         else:
-            left_open = (bound + error + (2 * count + 8) * self.sum_unit * terms) / size
-            allowed = floor + left_open
-            if float(left_open[compared].max()) > floor:
+            digits = self.digits(terms, bound, count) / size
+            floor = np.full_like(gaps, STILL) if is_still else self.floor / size
+            allowed = np.maximum(floor + digits, np.finfo(float).tiny)
+            if float(digits[compared].max()) > float(floor[compared].max()):
                 words = self._words(of)
         excess = (gaps / allowed)[compared].max(axis=1)
         step = start + int(np.argmax(excess))
@@ -436,6 +450,13 @@ class LogErrors:
             if kinds and (name != "theta" or of == "theta"):
                 words.append(f"{name} {' or '.join(kinds)}")
         return ", ".join(words)
+
+
+def unwritten(rounding: Rounding, values: Array) -> Array:
+    """The bound of the error of texts with 12 to 15 digits, which look exact; 0 for float64."""
+    sizes = np.abs(values)
+    is_text = rounding.is_exact and all(float(f"{one:.15g}") == one for one in sizes[:200])
+    return sizes * (0.5 * UNWRITTEN if is_text else 0.0)
 
 
 def row_by_row(phi: Array, Theta: Array) -> Array:
