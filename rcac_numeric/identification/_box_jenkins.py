@@ -241,12 +241,13 @@ class _Errors:
         )
 
     def confined(self, theta: Array) -> Array:
-        """The coefficients with stable filters."""
+        """The coefficients with stable filters, and a frequency below the Nyquist frequency."""
         A, B, noise = self.split(theta)
         n_all = self.n + self.m + self.n_C + self.n_D
         A = A if self.start.armax else confined(A, CIRCLE)
         C, D = confined(noise.C, OF_C), confined(noise.D, CIRCLE)
-        return np.concatenate([A[1:], B, C[1:], D[1:], theta[n_all:]])
+        frequency = np.abs((theta[n_all:] + np.pi) % (2 * np.pi) - np.pi)  # the alias in [0, pi]
+        return np.concatenate([A[1:], B, C[1:], D[1:], frequency])
 
     def at(self, theta: Array) -> _Point | None:
         """The errors there; None where they leave float64."""

@@ -38,6 +38,7 @@ from rcac_numeric.identification._process_search import (
     _without_jumps,
     has_hidden_pair,
 )
+from tests.support.strategies import seeds
 
 STEPS = 1500
 ROWS = np.arange(STEPS)
@@ -500,3 +501,16 @@ def test_a_fit_is_where_a_fit_that_begins_there_stays():
     fit = fitted(record, Start(np.array([1, -0.5]), np.array([0.3]), 0, noise))
     again = fitted(record, start_of(fit))
     assert 0 <= 1 - again.e @ again.e / (fit.e @ fit.e) < 1e-4
+
+
+@given(seeds, st.sampled_from([0.01, 0.03, 3.11, 3.14]))
+@settings(max_examples=10)
+def test_the_frequency_of_a_sinusoid_is_below_the_nyquist_frequency(seed, omega):
+    """A walk draws a slow frequency below 0, where it is the same sinusoid."""
+    rng = np.random.default_rng(seed)
+    u = rng.standard_normal(200)
+    y = lag(u, 0.5, rng) + np.cumsum(rng.standard_normal(200)) * (1 if omega < 1 else 0.0)
+    noise = NoiseModel(np.ones(1), np.ones(1), 0)
+    start = Start(np.array([1, -0.5]), np.array([0.3]), 0, noise, sinusoid=omega)
+    fit = fitted(process_record(u, y), start)
+    assert fit is None or 0 < fit.sinusoid <= np.pi
