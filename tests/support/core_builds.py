@@ -31,6 +31,26 @@ rcac_real *D(rcac_state *s) { return s->D; }
 rcac_trouble *troubles(rcac_state *s) { return s->troubles; }
 rcac_real *worst_growth(rcac_state *s) { return &s->worst_growth; }
 #endif
+/* Every real number that a step leaves, moved by up to a share of itself. */
+static uint32_t drawn;
+static void move_each(rcac_real *x, size_t bytes, double share) {
+    for (size_t i = 0; i < bytes / sizeof *x; ++i) {
+        drawn = drawn * 1664525u + 1013904223u;
+        x[i] *= (rcac_real)(1 + share * ((double)(drawn >> 8) / 8388608.0 - 1));
+    }
+}
+void move(rcac_state *s, unsigned seed, double share) {
+    drawn = seed;
+    move_each(s->u, sizeof s->u, share);
+    move_each(&s->signals[0][0], sizeof s->signals, share);
+    move_each(s->theta, sizeof s->theta, share);
+#if RCAC_ADAPTS
+    move_each(s->U, sizeof s->U, share);
+    move_each(s->D, sizeof s->D, share);
+    move_each(&s->inputs[0][0], sizeof s->inputs, share);
+    move_each(&s->outputs[0][0], sizeof s->outputs, share);
+#endif
+}
 int size(void) { return (int)sizeof(rcac_state); }
 int saved_size(void) { return (int)RCAC_SAVED_SIZE; }
 """
@@ -124,6 +144,10 @@ class Core:
         size = self.tables.l_theta * self.real.itemsize
         bytes_ = ctypes.string_at(self.library.theta(self.state), size)
         return np.frombuffer(bytes_, self.real).copy()
+
+    def move(self, seed, share):
+        """Move all that is rounded between two steps by up to a share of itself."""
+        self.library.move(self.state, ctypes.c_uint(seed), ctypes.c_double(share))
 
     @property
     def troubles(self):
