@@ -19,7 +19,8 @@ the true plant stable, relative error about the crossover below 0.5.
 `--beside` runs other estimators, whose model is judged with this file's LQG: output error and the
 closed loop's (`identify_output_error`, `identify_in_closed_loop`), refined instrumental variables
 with ARIMA(1, 1, 1) noise (P. C. Young), and SIPPY's N4SID, PARSIM-K and ARMAX where `sippy-unipi`
-is installed, on the first 20 seeds. None of them has gates; what they cannot do counts as refused.
+and `tf2ss` are installed, on the first 20 seeds. None of them has gates; what they cannot do counts
+as refused.
 """
 
 import argparse
@@ -497,7 +498,7 @@ def sippy(method):
 def beside(seeds):
     """Print how other estimators do on the logs."""
     methods = {"output error": output_error, "closed loop": closed_loop, "refined IV": refined_iv}
-    if importlib.util.find_spec("sippy_unipi"):
+    if all(importlib.util.find_spec(name) for name in ("sippy_unipi", "tf2ss")):
         methods |= {f"SIPPY {name}": sippy(name) for name in ("N4SID", "PARSIM-K", "ARMAX")}
     results = {name: [] for name in methods}
     for count, seed in enumerate(seeds):
