@@ -89,7 +89,7 @@ class StepSamples:
 
 
 def step_samples(record: ProcessRecord, fits: list[StepFit]) -> StepSamples:
-    """Samples of the credible models, each weighted by exp(-AIC/2)."""
+    """Samples of the credible models and of the first, each weighted by exp(-AIC/2)."""
     best = min(one.weight_criterion for one in fits)
     kinds: dict[object, StepFit] = {}
     for one in sorted(fits, key=lambda one: one.weight_criterion):
@@ -97,8 +97,11 @@ def step_samples(record: ProcessRecord, fits: list[StepFit]) -> StepSamples:
             kinds.setdefault(
                 (one.structure, one.noise.orders, one.slope, one.is_moving, one.jumps), one
             )  # fmt: skip
+    chosen = list(kinds.values())[:MOST_MODELS]
+    if all(one.structure != fits[0].structure for one in chosen):
+        chosen.append(fits[0])  # the model that is handed out, whose coefficients have intervals
     columns: list[Array] = []
-    for one in list(kinds.values())[:MOST_MODELS]:
+    for one in chosen:
         rows = _samples(record, one)
         rows[0] *= np.exp((best - one.weight_criterion) / 2)
         columns.append(rows)
