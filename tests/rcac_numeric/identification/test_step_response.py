@@ -1,5 +1,7 @@
 """Step tests: intervals hold the true coefficients, units and signs do not matter, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,6 +15,7 @@ from rcac_numeric import ControllerLog, design, pid, read_log
 from rcac_numeric.identification import identify_step_response
 from rcac_numeric.identification._box_jenkins import NoiseModel
 from rcac_numeric.identification._process_records import process_record
+from rcac_numeric.identification._step_intervals import step_samples
 from rcac_numeric.identification._step_models import (
     EQUAL,
     FIRST,
@@ -114,6 +117,24 @@ def test_the_true_coefficients_are_in_the_intervals(kind):
             assert holds(step.natural_frequency[1:], omega)
         assert step.operating_point == pytest.approx((3, 20), abs=0.1)
         assert np.abs(step.y - step.response).std() < 2 * step.residual
+
+
+@pytest.mark.parametrize("kinds", [(INTEGRATING, FIRST), (FIRST, LAGGED), (SECOND, INTEGRATING)])
+def test_the_model_that_is_handed_out_is_among_the_samples(kinds):
+    """However incredible by AIC beside others: its coefficients have intervals."""
+    u, y = record(noise=0.1)
+    values = process_record(u, y)
+    starts = {0: [6.0], 1: [3.0, 6.0], 2: [3.0, -1.5, 6.0]}
+    first, other = (
+        StepErrors(values, kind).fit(
+            np.array(starts[kind.shape]), NoiseModel(np.ones(1), np.ones(1), 0)
+        )
+        for kind in kinds
+    )
+    rivals = [replace(other, bic=first.bic - 60.0, jumps=(100 + k,)) for k in range(8)]
+    samples = step_samples(values, [first, *rivals])
+    of_first = samples.among(samples.integrates == kinds[0].integrates)
+    assert of_first.gain_interval()[0] <= first.gain <= of_first.gain_interval()[1]
 
 
 @pytest.mark.costly
