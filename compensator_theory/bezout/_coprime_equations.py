@@ -17,6 +17,8 @@ from compensator_theory.matrices._residues import primes
 
 TALL = 100
 """Bits of the resultant per degree above which remainder sequences grow too long (measured)."""
+LONG = 10_000
+"""Bits of a modulus above which a resultant takes less than rational reconstruction (measured)."""
 
 Pair = tuple[flint.fmpz_poly, flint.fmpz_poly]
 
@@ -30,8 +32,9 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
     -----
     With small coefficients y is c times the inverse of b modulo a, by the extended Euclidean
     algorithm. Where the resultant is long (integer roots 1, ..., n for instance) that inverse
-    swells far beyond the answer, and the answer is found p-adically: one inverse modulo a prime
-    of 61 bits, one small product for each 61 bits of x and y, rational reconstruction.
+    swells far beyond the answer, which is computed p-adically: one inverse modulo a prime of 61
+    bits, one small product for each 61 bits of x and y. A short common denominator is reconstructed
+    from the residues; a long one divides the resultant (Cramer's rule), with half as many residues.
     The returned polynomials are verified in the equation.
     """
     first, second, goal = (to_flint_polynomial(p) for p in (a, b, c))
@@ -91,11 +94,11 @@ def _lifted(
     b_p: flint.nmod_poly,
     inverse: flint.nmod_poly,
     p: int,
-) -> tuple[flint.fmpz_poly, flint.fmpz_poly, int]:
+) -> tuple[flint.fmpz_poly, flint.fmpz_poly, flint.fmpz]:
     """Return x, y and d with a x + b y = d c."""
     a, b, c = integers
     left, digits = c, ([], [])  # type: tuple[flint.fmpz_poly, tuple[list[flint.fmpz_poly], ...]]
-    exponent = 4
+    exponent, multiple = 4, None
     while True:
         while len(digits[0]) < exponent:
             residue = flint.nmod_poly(left, p)
@@ -107,7 +110,11 @@ def _lifted(
             left = flint.fmpz_poly([value // p for value in rest.coeffs()])
             digits[0].append(x)
             digits[1].append(y)
-        candidate = _reconstructed([_value(part, flint.fmpz(p)) for part in digits], p**exponent)
+        modulus = flint.fmpz(p) ** exponent
+        if multiple is None and modulus.bit_length() > LONG:
+            multiple = _multiple_of_denominator(a, b, c)
+        residues = [_value(part, flint.fmpz(p)) for part in digits]
+        candidate = _reconstructed(residues, modulus, multiple)
         if candidate is not None:
             (x, y), d = candidate
             if a * x + b * y == c * d:
@@ -126,22 +133,35 @@ def _value(digits: Sequence[flint.fmpz_poly], base: flint.fmpz) -> flint.fmpz_po
     return parts[0]
 
 
-def _reconstructed(residues: Sequence[flint.fmpz_poly], modulus: int) -> tuple[Pair, int] | None:
+def _multiple_of_denominator(
+    a: flint.fmpz_poly, b: flint.fmpz_poly, c: flint.fmpz_poly
+) -> flint.fmpz:
+    """Return the determinant of the linear equations for the coefficients of x and y."""
+    more = max(0, c.degree() + 1 - a.degree() - b.degree())  # coefficients of x: leading a below
+    return a.resultant(b) * a.leading_coefficient() ** more
+
+
+def _reconstructed(
+    residues: Sequence[flint.fmpz_poly], modulus: flint.fmpz, multiple: flint.fmpz | None
+) -> tuple[Pair, flint.fmpz] | None:
     """Reconstruct polynomials over one denominator from residues modulo p^k, or return None."""
-    d, room = 1, 3 * modulus.bit_length() // 4  # a share: v w = u modulo p^k is then v w = u
+    room = 3 * modulus.bit_length() // 4  # a share: v w = u modulo p^k is then v w = u
+    d = flint.fmpz(1) if multiple is None else multiple
     for value in chain.from_iterable(q.coeffs() for q in residues):
-        if _centred(int(value) * d, modulus).bit_length() > room:
-            d *= _denominator(int(value) * d % modulus, modulus)
-            if d.bit_length() + _centred(int(value) * d, modulus).bit_length() > room:
+        if _centred(value * d, modulus).bit_length() > room:
+            if multiple is not None:
+                return None
+            d *= _denominator(int(value * d % modulus), int(modulus))
+            if d.bit_length() + _centred(value * d, modulus).bit_length() > room:
                 return None
     return tuple(_scaled(q, d, modulus) for q in residues), d
 
 
-def _scaled(poly: flint.fmpz_poly, d: int, modulus: int) -> flint.fmpz_poly:
-    return flint.fmpz_poly([_centred(int(value) * d, modulus) for value in poly.coeffs()])
+def _scaled(poly: flint.fmpz_poly, d: flint.fmpz, modulus: flint.fmpz) -> flint.fmpz_poly:
+    return flint.fmpz_poly([_centred(value * d, modulus) for value in poly.coeffs()])
 
 
-def _centred(value: int, modulus: int) -> int:
+def _centred(value: flint.fmpz, modulus: flint.fmpz) -> flint.fmpz:
     residue = value % modulus
     return residue - modulus if 2 * residue > modulus else residue
 

@@ -34,6 +34,19 @@ def test_both_routes_satisfy_the_equation_with_the_least_multiplier(tall, pair, 
     assert a * x + b * y == c and y.degree() < a.degree()
 
 
+@pytest.mark.parametrize("scale", [1, 7**40])
+@given(coprime_pairs(), polynomials(max_degree=8))
+def test_the_resultant_is_a_multiple_of_the_denominator(scale, pair, c):
+    a, b = pair[0] * scale, pair[1]
+    usual = coprime_equations.TALL, coprime_equations.LONG
+    coprime_equations.TALL = coprime_equations.LONG = 0
+    try:
+        x, y = solve_coprime_equation(a, b, c)
+    finally:
+        coprime_equations.TALL, coprime_equations.LONG = usual
+    assert a * x + b * y == c and y.degree() < a.degree()
+
+
 @given(coprime_pairs(), polynomials(max_degree=3))
 def test_it_is_the_solution_of_the_sylvester_system(pair, c):
     a, b = pair
