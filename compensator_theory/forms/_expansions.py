@@ -9,6 +9,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, fraction, latex, total
 from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._quotients_modulo import quotient_modulo
 from compensator_theory.polynomials._budget import ask, integer
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._complex_polynomials import over_gaussian_rationals
@@ -17,7 +18,6 @@ from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import (
     canonical,
     over_coefficient_field,
-    quotient_modulo,
 )
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function

@@ -131,20 +131,6 @@ def exact_quotient(poly: Poly, divisor: Poly) -> Poly:
     return canonical(top.set_domain(field).exquo(bottom.set_domain(field)))
 
 
-def quotient_modulo(factor: Poly, top: Poly, bottom: Poly) -> Poly:
-    """Return a quotient as a polynomial that has its values at the roots of a coprime factor.
-
-    SymPy's ``invert`` (1.14), which python-flint computes over Q, takes a constant that it did not
-    normalise, over Q(sqrt(2))(a) for instance, for a divisor of zero.
-    """
-    if factor.domain.is_QQ and bottom.domain.is_QQ:
-        return (top * bottom.invert(factor)).rem(factor)
-    inverse, divisor = bottom.half_gcdex(factor)
-    if divisor.degree() > 0:
-        raise InputError(f"{quoted(bottom)} and {quoted(factor)} have a common factor")
-    return (top * inverse).rem(factor)
-
-
 def over_coefficient_field(*polys: Poly) -> tuple[Poly, ...]:
     """Return polynomials over the field of all their coefficients, surds beside symbols included.
 

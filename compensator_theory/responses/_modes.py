@@ -10,8 +10,9 @@ import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex
+from compensator_theory.matrices._quotients_modulo import quotient_modulo
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._poly import over_coefficient_field, quotient_modulo
+from compensator_theory.polynomials._poly import over_coefficient_field
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._closed_forms import completed_square, root_of_square
 

@@ -18,11 +18,12 @@ from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.forms._expansions import markov_parameters, partial_fractions
 from compensator_theory.matrices._certificates import Certified, Residuals
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
+from compensator_theory.matrices._quotients_modulo import product_modulo, quotient_modulo
 from compensator_theory.polynomials._budget import limit_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._poly import canonical, over_coefficient_field, quotient_modulo
+from compensator_theory.polynomials._poly import canonical, over_coefficient_field
 from compensator_theory.polynomials._substitution import denominators_in
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.responses._modes import Mode
@@ -300,7 +301,9 @@ def _taylor(poly: Poly, p: Poly, size: int) -> Series:
 
 def _product(a: Series, b: Series, p: Poly) -> Series:
     zero = Poly(0, p.gen, domain=p.domain)
-    return [sum((a[j] * b[i - j] for j in range(i + 1)), zero).rem(p) for i in range(len(a))]
+    return [
+        sum((product_modulo(p, a[j], b[i - j]) for j in range(i + 1)), zero) for i in range(len(a))
+    ]
 
 
 def _inverse(a: Series, p: Poly) -> Series:
@@ -309,6 +312,6 @@ def _inverse(a: Series, p: Poly) -> Series:
     inverse = [head]
     for i in range(1, len(a)):
         zero = Poly(0, p.gen, domain=p.domain)
-        rest = sum((a[j] * inverse[i - j] for j in range(1, i + 1)), zero)
-        inverse.append((-rest * head).rem(p))
+        rest = sum((product_modulo(p, a[j], inverse[i - j]) for j in range(1, i + 1)), zero)
+        inverse.append(product_modulo(p, -rest, head))
     return inverse

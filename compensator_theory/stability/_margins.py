@@ -15,6 +15,7 @@ from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops._siso import LoopPart, closed_loop_of_pair, read_loop
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
+from compensator_theory.matrices._quotients_modulo import quotient_modulo
 from compensator_theory.polynomials._ball_precision import (
     at_growing_precision,
     ball_precision,
@@ -26,7 +27,6 @@ from compensator_theory.polynomials._poly import (
     common_divisor,
     exact_quotient,
     is_rational,
-    quotient_modulo,
     way_to_rational,
 )
 from compensator_theory.polynomials._values import ExactValue

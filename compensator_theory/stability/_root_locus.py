@@ -24,6 +24,7 @@ from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
+from compensator_theory.matrices._quotients_modulo import quotient_modulo
 from compensator_theory.polynomials._ball_precision import (
     at_growing_precision,
     ball_precision,
@@ -35,7 +36,6 @@ from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import (
     canonical,
     is_rational,
-    quotient_modulo,
     way_to_rational,
 )
 from compensator_theory.polynomials._values import ExactValue

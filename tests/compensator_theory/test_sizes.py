@@ -33,7 +33,7 @@ from compensator_theory.forms import (
 )
 from compensator_theory.matrices._echelon import echelon, pivot_columns
 from compensator_theory.matrices._linear_algebra import rank
-from compensator_theory.polynomials._poly import quotient_modulo
+from compensator_theory.matrices._quotients_modulo import quotient_modulo
 from compensator_theory.roots._descartes import real_root_balls
 from compensator_theory.roots._unit_circle import _has_root_on_circle
 from tests.support.work import at_most
