@@ -10,6 +10,7 @@ import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices._flint_matrices import rational
 from compensator_theory.matrices._fraction_free import SymbolicRows
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.matrices._rational_functions import RationalFunctions, factored
@@ -125,7 +126,8 @@ def stability_conditions(
         return StabilityConditions(
             _HurwitzArray(work, numerators, len(leading)).conditions(chosen, sizes)
         )
-    minors = [_hurwitz_minor(a, k) for k in sizes]
+    by_routh = _rational_minors(a, max(sizes, default=0))
+    minors = [by_routh[k] if k in by_routh else _hurwitz_minor(a, k) for k in sizes]
     return StabilityConditions(simplified_conditions([*leading, *(a[k] for k in chosen), *minors]))
 
 
@@ -252,6 +254,23 @@ def _leading_minors(
             ask("terms", len(rows[k][k]), f"Hurwitz's determinant {k + 1}, multiplied out,")
         if rows[k][k].is_zero():
             break
+    return minors
+
+
+def _rational_minors(ascending: list[Expr], most: int) -> dict[int, Expr]:
+    """Return Hurwitz's determinants by size up to one that is zero: products of Routh's column."""
+    if not all(c.is_Rational for c in ascending):
+        return {}
+    numbers = [flint.fmpq(int(c.p), int(c.q)) for c in reversed(ascending)]
+    above, row, product, minors = numbers[::2], numbers[1::2], flint.fmpq(1), {}
+    for size in range(1, most + 1):
+        product *= row[0]
+        minors[size] = rational(product)
+        if product == 0:
+            break
+        factor, padded = above[0] / row[0], [*row[1:], flint.fmpq(0)]
+        following = [x - factor * y for x, y in zip(above[1:], padded, strict=False)]
+        above, row = row, following
     return minors
 
 
