@@ -14,6 +14,9 @@ Interval: TypeAlias = tuple[flint.fmpq, flint.fmpq]
 STEPS = 4
 """Bisections per degree after which roots count as too close for bisection."""
 
+PRECISIONS = (128, 512, 2048)
+"""Bits in which the sign of a value is decided before it is computed exactly."""
+
 _ONE_MORE = flint.fmpz_poly([1, 1])
 
 
@@ -83,16 +86,28 @@ def _narrowed(poly: flint.fmpz_poly, interval: Interval, precision: int) -> flin
     """Bisect an interval in which a polynomial changes its sign once."""
     lower, upper = interval
     rises = (poly(lower) or poly.derivative()(lower)) < 0
+    balls = flint.arb_poly(poly)
     while lower != upper and (upper - lower) * 2**precision > lower:
         middle = (lower + upper) / 2
-        value = poly(middle)
-        if value == 0:
+        sign = _sign(poly, balls, middle)
+        if sign == 0:
             lower = upper = middle
-        elif (value < 0) == rises:
+        elif (sign < 0) == rises:
             lower = middle
         else:
             upper = middle
     return flint.arb((lower + upper) / 2, (upper - lower) / 2)
+
+
+def _sign(poly: flint.fmpz_poly, balls: flint.arb_poly, place: flint.fmpq) -> int:
+    """Return the sign of a value; exact values have degree times as many bits as the place."""
+    for bits in PRECISIONS:
+        with ball_precision(bits):
+            value = balls(flint.arb(place))
+        if not value.contains(0):
+            return 1 if value > 0 else -1
+    exact = poly(place)
+    return int(exact > 0) - int(exact < 0)
 
 
 def _bound(coefficients: list[flint.fmpz]) -> int:

@@ -15,7 +15,7 @@ from compensator_theory.matrices._flint_polynomials import (
 from compensator_theory.results import RootCount
 from compensator_theory.roots import _counts as counts
 from compensator_theory.roots import number_of_real_roots
-from compensator_theory.roots._descartes import distinct_real_roots
+from compensator_theory.roots._descartes import _sign, distinct_real_roots
 
 S = polynomial("s").gen
 REAL = st.fractions(-9, 9, max_denominator=8)
@@ -85,3 +85,11 @@ def test_a_zero_in_the_first_column_is_no_sign():
         True,
         False,
     ]
+
+
+def test_signs_that_balls_do_not_decide_are_exact():
+    poly = flint.fmpz_poly([-2, 0, 1]) * flint.fmpz_poly([-1, 3])
+    balls = flint.arb_poly(poly)
+    root = flint.fmpq(int(flint.fmpz(2 << 10_000).isqrt()), 1 << 5_000)  # below, by 2**-5000
+    places = [root, root + flint.fmpq(1, 1 << 5_000), flint.fmpq(1, 3), flint.fmpq(0)]
+    assert [_sign(poly, balls, place) for place in places] == [-1, 1, 0, 1]
