@@ -12,6 +12,7 @@ from compensator_theory.forms._polynomial_matrices import (
     polynomial_matrix,
 )
 from compensator_theory.matrices._elimination import Elimination
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 
 
@@ -52,6 +53,8 @@ def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     [[0, 1], [s, 0]]
     """
     source = polynomial_matrix(matrix, variable)
+    rows, width = source.shape
+    ask("entries", rows**2 * width * (max(source.degree, 0) + 1) // 2, "the Popov form")
     work = elimination_of(source)
     ring, pivots = work.ring, _weak(work)
     order = sorted(pivots, key=lambda i: (ring.degree(work.matrix[i][pivots[i]]), pivots[i]))

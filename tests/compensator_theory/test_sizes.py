@@ -26,6 +26,7 @@ from compensator_theory import (
 )
 from compensator_theory.errors import BudgetError
 from compensator_theory.forms import (
+    hermite_form,
     jordan_form,
     popov_form,
     row_reduced_form,
@@ -191,7 +192,12 @@ def test_a_spectrum_of_few_inputs_is_that_of_the_response(time, inputs):
 
 
 @pytest.mark.parametrize(
-    ("form", "step"), [(popov_form, "elimination"), (row_reduced_form, "row-reduced form")]
+    ("form", "step"),
+    [
+        (hermite_form, "elimination"),
+        (popov_form, "Popov form"),
+        (row_reduced_form, "row-reduced form"),
+    ],
 )
 def test_each_step_of_an_elimination_counts_for_the_budget(form, step):
     s, draw = sympy.Symbol("s"), random.Random(1)
