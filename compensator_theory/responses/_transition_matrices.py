@@ -7,6 +7,7 @@ from functools import cached_property
 from math import comb, prod
 from typing import ClassVar
 
+import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
@@ -16,7 +17,16 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certified, Residuals
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
-from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.matrices._flint_matrices import (
+    identity_matrix,
+    is_rational_matrix,
+    to_flint,
+    zero_matrix,
+)
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._letters import names_in_all
@@ -89,9 +99,28 @@ class TransitionMatrix(Certified, ExactValue):
 
     def _residuals(self) -> Residuals:
         s, n = self.variable, self.A.rows
+        if is_rational_matrix(self.A):
+            return [p for j in range(n) for p in self._rational_residuals(j)]
         factor = s if self.responses[0][0].is_discrete else sympy.Integer(1)
         Phi = self.transform
         return [(s * Phi - self.A * Phi - factor * ImmutableMatrix.eye(n))]
+
+    def _rational_residuals(self, j: int) -> list[Poly]:
+        """The residuals of column j, over one denominator, without expressions."""
+        column = [_quotient(row[j]) for row in self.responses]
+        common = flint.fmpq_poly([1])
+        for _, bottom in column:
+            if common % bottom:
+                common *= bottom // common.gcd(bottom)
+        tops = [top * (common // bottom) for top, bottom in column]
+        right = common * flint.fmpq_poly([0, 1]) if self.responses[0][0].is_discrete else common
+        A, residuals = to_flint(self.A), []
+        for i, top in enumerate(tops):
+            rest = top * flint.fmpq_poly([0, 1])
+            for k, other in enumerate(tops):
+                rest -= other * A[i, k]
+            residuals.append(rest - right if i == j else rest)
+        return [from_flint_polynomial(rest, self.variable) for rest in residuals]
 
     def __str__(self) -> str:
         name = f"A**{self.time}" if self.responses[0][0].is_discrete else f"exp(A*{self.time})"
@@ -170,6 +199,17 @@ def _ask_for_terms(denominator: Poly) -> None:
         box = prod(powers * int(d) + 1 for d in flat.degree_list()[1:])
         terms = min(box, comb(degree + len(symbols), degree))
         ask("terms", int(denominator.degree()) ** 2 * terms, "the transition matrix with symbols")
+
+
+def _quotient(response: TimeResponse) -> tuple[flint.fmpq_poly, flint.fmpq_poly]:
+    """The transform of a rational response, from its modes."""
+    top, bottom = to_flint_polynomial(response.impulses), flint.fmpq_poly([1])
+    for mode in response.terms:
+        above, below = map(to_flint_polynomial, mode.transform)
+        if response.is_discrete:
+            above *= flint.fmpq_poly([0, 1])
+        top, bottom = top * below + above * bottom, bottom * below
+    return top, bottom
 
 
 def _transform(response: TimeResponse) -> Expr:
