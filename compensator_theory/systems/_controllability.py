@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 from itertools import combinations, islice
 from typing import Any, Literal
@@ -21,12 +22,14 @@ from compensator_theory.matrices._linear_algebra import (
     rank,
 )
 from compensator_theory.matrices._residues import large_prime
+from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of, holds_where_defined
 from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import canonical, exact_quotient
 from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
+_NO_ASSUMPTIONS = sympy.Dummy().assumptions0
 MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
 
 
@@ -127,7 +130,8 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
         return _reaches_all(*pair)
     A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
     kalman = controllability_matrix(A, B)
-    if rank(kalman) < A.rows:
+    reached = any(int(sample.rank()) == A.rows for sample in _samples(kalman))
+    if not reached and rank(kalman) < A.rows:
         return False
     if not kalman.free_symbols:
         return True
@@ -175,23 +179,56 @@ def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
     The rank is full for some values, so False would be wrong.
     """
     n = kalman.rows
-    kalman = kalman[:, [j for j in range(kalman.cols) if not kalman[:, j].is_zero_matrix]]
+    columns = [kalman[:, j] for j in range(kalman.cols)]
+    occupied = [j for j, c in enumerate(columns) if c.free_symbols or not c.is_zero_matrix]
+    kalman = kalman[:, occupied]
     numbers = [j for j in range(kalman.cols) if not kalman[:, j].free_symbols]
     if len(numbers) >= n and rank(kalman[:, numbers]) == n:
         return True
-    minors = []
-    for columns in islice(combinations(range(kalman.cols), n), MINORS):
-        minor = determinant(kalman[:, list(columns)])
+    minors, samples = [], _samples(kalman)
+    for chosen in islice(combinations(range(kalman.cols), n), MINORS):
+        if len({_minor(sample, chosen) for sample in samples}) > 1:
+            continue  # a function of symbols without assumptions
+        minor = determinant(kalman[:, list(chosen)])
         if minor.is_nonzero:
             return True
         minors.append(minor)
-    tops = [sympy.fraction(sympy.cancel(minor))[0] for minor in minors]
     symbol, *others = kalman.free_symbols
-    if others or not all(top.is_polynomial(symbol) for top in tops):
+    if others:
+        return None
+    tops = [sympy.fraction(sympy.cancel(minor))[0] for minor in minors]
+    if not all(top.is_polynomial(symbol) for top in tops):
         return None
     shared = reduce(lambda a, b: a.gcd(b), [Poly(top, symbol) for top in tops])
     # Where all minors vanish, so does their gcd. It is zero if none of those tried is another.
     return True if shared.as_expr().is_nonzero else None
+
+
+def _samples(kalman: ImmutableMatrix) -> list[flint.fmpq_mat]:
+    """Return a matrix of rational functions of several symbols at two points; else nothing.
+
+    No minor that differs there is known to be real and not zero where no symbol has assumptions.
+    """
+    matrix = symbolic_matrix(kalman)
+    if not isinstance(matrix, SymbolicMatrix) or len(matrix.free_symbols) < 2:
+        return []
+    symbols, numerators = matrix.work.symbols, matrix.flint_form
+    if any(x.assumptions0 != _NO_ASSUMPTIONS for x in symbols):
+        return []
+    points = [[first + 6 * k + k**2 for k in range(len(symbols))] for first in (3, 11)]
+    samples = []
+    for point in points:
+        below = int(numerators.below(*point))
+        if below == 0:
+            return []
+        entries = [flint.fmpq(int(top(*point)), below) for top in numerators.flat]
+        samples.append(flint.fmpq_mat(*map(int, matrix.shape), entries))
+    return samples
+
+
+def _minor(sample: flint.fmpq_mat, columns: Sequence[int]) -> flint.fmpq:
+    n = int(sample.nrows())
+    return flint.fmpq_mat(n, n, [sample[i, j] for i in range(n) for j in columns]).det()
 
 
 @carrying()
