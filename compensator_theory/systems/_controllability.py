@@ -187,8 +187,9 @@ def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
         return True
     minors, samples = [], _samples(kalman)
     for chosen in islice(combinations(range(kalman.cols), n), MINORS):
-        if len({_minor(sample, chosen) for sample in samples}) > 1:
-            continue  # a function of symbols without assumptions
+        values = {_minor(sample, chosen) for sample in samples}
+        if len(values) > 1 or 0 in values:
+            continue  # a function of symbols without assumptions, or no constant but 0
         minor = determinant(kalman[:, list(chosen)])
         if minor.is_nonzero:
             return True
