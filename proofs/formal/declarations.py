@@ -45,7 +45,7 @@ def requirements(folder: Path = SOURCES) -> dict[str, tuple[str, ...]]:
     --------
     >>> from proofs.formal.declarations import requirements
     >>> requirements()["theorems.Kalman"]
-    ('foundations.Vocabulary', 'foundations.Matrices')
+    ('foundations.MathComp', 'foundations.Vocabulary', 'foundations.Matrices')
     """
     return {
         _module(path, folder): tuple(

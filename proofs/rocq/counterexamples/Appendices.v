@@ -1,6 +1,6 @@
 (* Appendices A and B: wordings that are false. Resultants.v and ReturnDifference.v have the true
    statements. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 From Compensators.theorems Require Import Coprimeness Resultants.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

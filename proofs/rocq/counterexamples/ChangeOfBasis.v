@@ -1,5 +1,5 @@
 (* (7.25) with the change of basis that (7.26) defines. PolePlacement.v has the true statement. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary SmallSystems.
 From Compensators.theorems Require Import PolePlacement.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

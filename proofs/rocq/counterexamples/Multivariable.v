@@ -1,6 +1,6 @@
 (* More than one signal: "every full-order compensator is observer-based for even n" is false, even
    for minimal compensators over the reals. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory Num.Theory.
@@ -57,6 +57,32 @@ Lemma factor_2 : 'X^2 - (- 2%:R - 2%:R)%:P * 'X + (- 2%:R * - 2%:R - 2%:R * - 2%
 Proof. by rewrite !(polyCD, polyCN, polyCM); ring. Qed.
 End Factors.
 
+(* Two planes, the columns of V; W is twice the inverse of V. *)
+Local Notation V K := (block_mx (matrix_2 0 0 0 1) (matrix_2 1 0 0 (- 1)) 1%:M (matrix_2 0 0 0 1) : 'M[K]_(2 + 2)).
+Local Notation W K := (block_mx (matrix_2 0 0 0 1) (matrix_2 2%:R 0 0 1) (matrix_2 2%:R 0 0 (- 1)) (matrix_2 0 0 0 1)
+  : 'M[K]_(2 + 2)).
+
+Section Planes.
+Variable K : comRingType.
+Let scalar (a : K) : a%:M = matrix_2 a 0 0 a.
+Proof. by entry_by_entry. Qed.
+
+Lemma planes_independent : W K *m V K = (2%:R)%:M.
+Proof.
+rewrite scalar_mx_block mulmx_block.
+by congr block_mx; rewrite ?zero_2 ?scalar !matrix_2_mul !matrix_2_add; congr matrix_2; ring.
+Qed.
+
+Lemma planes_invariant :
+  V K *m block_mx (matrix_2 0 (- 2%:R) 2%:R 0) 0 0 (matrix_2 (- 2%:R) 2%:R (- 2%:R) (- 2%:R))
+  = closed_loop (matrix_2 (- 2%:R) (- 1) 2%:R (- 1)) 1%:M 1%:M
+    (matrix_2 0 (- 1) 2%:R (- 1)) (matrix_2 0 (- 1) (- 2%:R) 1) (matrix_2 0 1 2%:R 1) *m V K.
+Proof.
+rewrite /closed_loop mul1mx mulmx1 !mulmx_block.
+by congr block_mx; rewrite ?zero_2 ?scalar !matrix_2_mul !matrix_2_add; congr matrix_2; ring.
+Qed.
+End Planes.
+
 Section Multivariable.
 Variable R : realFieldType.
 
@@ -85,23 +111,10 @@ Lemma multivariable_spectrum :
   = char_poly (matrix_2 0 (- 2%:R) 2%:R 0 : 'M[R]_2)
     * char_poly (matrix_2 (- 2%:R) 2%:R (- 2%:R) (- 2%:R)).
 Proof.
-have E0 : (0 : 'M[R]_2) = matrix_2 0 0 0 0 by entry_by_entry.
-have E1 : (1%:M : 'M[R]_2) = matrix_2 1 0 0 1 by entry_by_entry.
-pose V : 'M[R]_(2 + 2) := block_mx (matrix_2 0 0 0 1) (matrix_2 1 0 0 (- 1))
-  1%:M (matrix_2 0 0 0 1).
-pose W : 'M[R]_(2 + 2) := block_mx (matrix_2 0 0 0 1) (matrix_2 2%:R 0 0 1)
-  (matrix_2 2%:R 0 0 (- 1)) (matrix_2 0 0 0 1).
-have nz_V : \det V != 0.
-  have : \det (W *m V) != 0.
-    have -> : W *m V = (2%:R)%:M.
-      have E2 : ((2%:R)%:M : 'M[R]_2) = matrix_2 2%:R 0 0 2%:R by entry_by_entry.
-      rewrite scalar_mx_block mulmx_block E0 E1 E2 !matrix_2_mul !matrix_2_add.
-      by congr block_mx; congr matrix_2; ring.
-    by rewrite det_scalar expf_eq0 pnatr_eq0.
+have nz_V : \det (V R) != 0.
+  have : \det (W R *m V R) != 0 by rewrite planes_independent det_scalar expf_eq0 pnatr_eq0.
   by rewrite det_mulmx mulf_eq0 negb_or => /andP[].
-rewrite -(char_poly_upper _ 0); apply/esym/(char_poly_similar nz_V).
-rewrite /closed_loop mul1mx mulmx1 !mulmx_block E0 E1 !matrix_2_mul !matrix_2_add.
-by congr block_mx; congr matrix_2; ring.
+by rewrite -(char_poly_upper _ 0); apply/esym/(char_poly_similar nz_V)/planes_invariant.
 Qed.
 
 (* Refuted: for n even every minimal full-order compensator of a minimal plant is, in some basis,

@@ -1,6 +1,6 @@
 (* "In some basis" without minimality: full-order compensators of an even order that no basis makes
    observer-based. Forms.v has the true statement, for minimal compensators. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 From Compensators.theorems Require Import ClosedLoop Coprimeness Forms.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

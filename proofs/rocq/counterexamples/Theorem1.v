@@ -1,6 +1,6 @@
 (* Chapter 7, polynomials: wordings of Propositions 1 and 2 and of Theorem 1 that are false, each
    with the example that refutes it. ObserverBasedPairs.v has the true statements. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary SmallSystems.
 From Compensators.theorems Require Import PolePlacement ClosedLoop Coprimeness Diophantine.
 From Compensators.theorems Require Import ObserverBasedPairs CanonicalForm.

@@ -1,6 +1,6 @@
 (* Theorem 1 read as a statement about transfer functions: one transfer function, two answers.
    theorem_1_transfer_functions of ObserverBasedPairs.v is the true statement. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary.
 From Compensators.theorems Require Import PolePlacement Coprimeness ObserverBasedPairs.
 From Compensators.theorems Require Import CanonicalForm.

@@ -1,5 +1,5 @@
 (* Appendix A's conditions i)-iv) with R_2 = 0. HighAuthorityPoles.v assumes what is needed. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 From Compensators.theorems Require Import Coprimeness.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,6 +1,6 @@
 (* "In some basis" for n odd: two real closed-loop poles, and no basis makes the compensator
    observer-based, because both are modes that its output does not show. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 From Compensators.theorems Require Import PolePlacement ClosedLoop Coprimeness Forms CanonicalForm.

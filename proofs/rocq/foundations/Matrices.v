@@ -1,5 +1,5 @@
 (* Facts about determinants and characteristic polynomials that MathComp 1.15 does not have. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

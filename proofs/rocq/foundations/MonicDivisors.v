@@ -1,6 +1,6 @@
 (* The monic divisors of a product of powers of distinct irreducible polynomials: one for each
    choice of exponents. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

@@ -5,7 +5,7 @@
    The plant is x' = A x + B u, y = C x, the compensator x_c' = A_c x_c + B_c y, u = C_c x_c:
    (7.1)-(7.4), positive feedback. Polynomials use negative feedback, (7.22)-(7.23), so that
    N_c / D_c is minus the transfer function of (A_c, B_c, C_c).                                   *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

@@ -1,5 +1,6 @@
 (* Every strictly proper transfer function has a realisation: controllable canonical form. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import finalg.
 From Compensators.foundations Require Import Vocabulary.
 From Compensators.theorems Require Import PolePlacement Coprimeness.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -4,7 +4,8 @@
    a field of characteristic 0 (the rational, real or complex numbers, or rational functions); the checks
    are booleans that vm_compute evaluates, on the sparse polynomials of Coq's own tactic ring. *)
 From Coq Require Import ZArith Ring_polynom Ring_theory.
-From mathcomp Require Import all_ssreflect all_algebra zify ring ssrZ.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import ssrZ.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import TraceRecursion.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

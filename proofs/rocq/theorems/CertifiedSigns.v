@@ -3,8 +3,8 @@
    unit disk, by the rows of Routh's array or of the table of Schur and Cohn, each divided by a factor that
    its numbers share. *)
 From Coq Require Import ZArith Ring_polynom.
-From mathcomp Require Import all_ssreflect all_algebra zify ring ssrZ.
-From mathcomp Require Import all_real_closed.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import ssrZ all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices PositiveDefinite.
 From Compensators.theorems Require RouthHurwitz SchurCohn.
 From Compensators.theorems Require Import HighAuthorityPoles CertifiedEquations.

@@ -1,6 +1,6 @@
 (* The closed loop's characteristic polynomial, and its two factors where the compensator is
    observer-based: (7.14)-(7.18), (7.22)-(7.23), (A.11)-(A.12). *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

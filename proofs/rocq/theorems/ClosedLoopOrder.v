@@ -1,6 +1,6 @@
 (* (2.9)-(2.15) for every n: the denominator D of the plant cancels in the closed loop, and D D_c -
    N_yu N_c has the degree n + n_c where the loop is well posed. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

@@ -2,7 +2,7 @@
    rate. The motion then decays at that rate, in whatever order the A_k come; a polytope of loops contracts
    where its vertices do; a strict inequality has a rate below 1, over any ordered field; and a constant
    loop that contracts has its poles in the circle of that radius. r is the square of the rate. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices PositiveDefinite.
 From Compensators.theorems Require Import HighAuthorityPoles Lyapunov StabilisingSolution.

@@ -1,6 +1,6 @@
 (* The controllers of Chapters 2 and 6 as operators: R is a commutative ring in which the forward shift q
    and its inverse live, so that u(k - i) is q^-i u. Any number of signals. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

@@ -1,5 +1,5 @@
 (* A plant is minimal if and only if its denominator and numerator are coprime. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement ClosedLoop.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

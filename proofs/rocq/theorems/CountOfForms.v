@@ -1,7 +1,7 @@
 (* How many observer-based forms a minimal compensator of full order has: one for each choice of
    exponents e_i <= m_i with sum e_i deg p_i = n, where the closed-loop polynomial is the product of
    the p_i^m_i. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary MonicDivisors.
 From Compensators.theorems Require Import Forms.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

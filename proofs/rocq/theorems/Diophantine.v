@@ -1,5 +1,5 @@
 (* D D_c + N N_c = Dtilde: Lemma 1, Propositions 2 and 5, over any field and for every degree. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

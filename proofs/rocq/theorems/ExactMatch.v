@@ -1,6 +1,6 @@
 (* If some theta star matches the data exactly, what the recursion leaves of the retrospective cost is
    at most the weight of its distance to theta(0), for ever. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite.
 From Compensators.theorems Require Import RecursiveLeastSquares.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,6 +1,7 @@
 (* What RCMR makes of past subsystem outputs: the partition (8.38), the performance (8.39), (8.41) and the
    extended one (8.45), (8.48), and the subsystem (8.57) in the form theta(k) phi(k - 1). *)
-From mathcomp Require Import all_ssreflect all_fingroup all_algebra.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import fingroup perm.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

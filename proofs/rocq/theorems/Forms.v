@@ -1,6 +1,6 @@
 (* Observer-based forms of a minimal compensator are the monic divisors of degree n of the
    closed-loop polynomial: the realisation-level theorem. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement ClosedLoop Diophantine Coprimeness.

@@ -3,7 +3,7 @@
    detectable, R_1 >= 0 and R_2 > 0. Over every real closed field, where bounded sequences need no
    limit: a Lyapunov function of the closed loop bounds P(k) - P from above, one of the observer and the
    cost of P(k) bound it from below. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices PositiveDefinite.
 From Compensators.theorems Require Import HighAuthorityPoles Stein Riccati Lyapunov.

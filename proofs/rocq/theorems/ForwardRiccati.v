@@ -1,6 +1,6 @@
 (* One step of the forward-propagating Riccati equation (8.96) keeps P positive semidefinite; any
    number of states and inputs, R_2 > 0, over an ordered field. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite.
 From Compensators.theorems Require Import RecursiveLeastSquares.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,7 +1,7 @@
 (* What a certificate of small gain says of the transfer function: where the matrix of the bounded real lemma is
    positive semidefinite, T(z)* W T(z) <= S on the circle |z|^2 = r, with T(z) = C (zI - A)^-1 B + D. The easy half
    of the lemma, for every realisation: no inverse and no minimality are asked. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import PositiveDefinite.
 From Compensators.theorems Require Import Lyapunov SmallGain.

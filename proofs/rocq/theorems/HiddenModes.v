@@ -1,7 +1,7 @@
 (* Compensators with hidden modes. A choice of regulator's polynomial p_R gives an observer-based
    form if and only if p_R has no unobservable mode of the compensator and the observer's polynomial
    p_O no uncontrollable one. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman Coprimeness InvariantSubspaces Forms.
 From Compensators.theorems Require Import NonderogatoryMatrices UnobservableModes.

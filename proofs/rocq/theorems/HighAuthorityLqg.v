@@ -1,7 +1,7 @@
 (* High-authority LQG from the plant's data alone: the regulator and the observer exist, their poles
    are the corrected (A.15) and (A.16), those of the loop the corrected (A.17), and the target model
    of the corrected (4.24) is the intercalated transfer function. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman ClosedLoop ReturnDifference HighAuthorityPoles Stein.

@@ -1,6 +1,6 @@
 (* Where high-authority LQG puts the regulator's poles: (A.15) corrected, and the closed form of
    B'PB. (A.16) is the same for the transposed system. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import ReturnDifference.

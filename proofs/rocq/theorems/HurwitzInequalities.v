@@ -1,5 +1,5 @@
 (* Routh's test in degrees 2, 3 and 4: the inequalities of Hurwitz, Lienard and Chipart. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.theorems Require Import RouthHurwitz.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

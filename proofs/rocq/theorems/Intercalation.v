@@ -1,6 +1,6 @@
 (* The intercalated transfer function, (4.7)-(4.19), for any number of signals. R is a commutative
    ring in which the transfer functions live, as the field of rational functions of q does. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

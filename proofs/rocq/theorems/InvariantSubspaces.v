@@ -1,5 +1,5 @@
 (* n-dimensional invariant subspaces of the closed loop are observer-based forms, and conversely. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,6 +1,6 @@
 (* Kharitonov's theorem: four polynomials decide a box of them, for every degree; of the four one decides
    degree 3 and two decide degree 4, where the lower ends are positive (Anderson, Jury and Mansour). *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.theorems Require Import RouthHurwitz HurwitzInequalities PositiveResidues.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,7 +1,7 @@
 (* Where the eigenvalues of M are inside the unit circle and Q >= 0, the solution of the Stein equation
    X = M'XM + Q is positive semidefinite: over every real closed field, where no series need converge.
    An eigenvector is split off at a time, and what is left is a Schur complement. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices PositiveDefinite.
 From Compensators.theorems Require Import HighAuthorityPoles.

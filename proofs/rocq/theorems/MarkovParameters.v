@@ -1,6 +1,6 @@
 (* Markov parameters: the expansion (2.51) of a transfer function, with what is left after N terms, and
    the state after r steps of a recursion, (8.36), with the output (8.37). *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import MinimalRealisations.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

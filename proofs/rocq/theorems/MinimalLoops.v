@@ -1,6 +1,6 @@
 (* The loop of a minimal plant and an observable compensator has one eigenvector for each eigenvalue,
    over any field: it is nonderogatory. Any n and n_c, scalar signals. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary.
 From Compensators.theorems Require Import Kalman.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

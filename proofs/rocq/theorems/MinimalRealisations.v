@@ -1,6 +1,6 @@
 (* A transfer function and its minimal realisations: Markov parameters, gains that are unique,
    minimal realisations that are similar, and minimal = coprime. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement ClosedLoop.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

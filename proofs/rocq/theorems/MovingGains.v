@@ -2,7 +2,7 @@
    set lies in Delta' S Delta <= W. Gains of modulus at most 1, each with a multiplier: an actuator whose
    effectiveness varies, or a limit that passes a share of u, in a loop with theta in its ellipsoid. And the
    directions of theta that move no pole, since entries of the regressor depend on each other. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite Matrices.
 From Compensators.theorems Require Import ForwardConvergence Contraction SmallGain.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

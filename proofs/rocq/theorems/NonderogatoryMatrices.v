@@ -1,5 +1,5 @@
 (* Nonderogatory (cyclic) matrices: those with a vector b such that (M, b) is controllable. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement Coprimeness.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

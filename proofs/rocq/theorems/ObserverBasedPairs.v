@@ -1,6 +1,6 @@
 (* Proposition 1 and Theorem 1: which pairs (N_c, D_c) and which transfer functions of full order
    are those of an observer-based compensator. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement ClosedLoop Coprimeness Diophantine.

@@ -3,7 +3,7 @@
    zero of a strictly proper plant. The necessary half, over a real closed field. Nothing is asked of the loop
    or the compensator but that they have no roots on the segment: it may lie in the right half plane, outside
    the unit circle, or anywhere else. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary.
 From Compensators.theorems Require Import HighAuthorityPoles.

@@ -1,7 +1,8 @@
 (* How large a signal becomes while theta moves in a share of its set and w is bounded: where x' P x loses at
    the rate r and gains at most mu w' w, it stays below mu / (1 - r), an ellipsoid on which every signal has
    a bound. For each motion of theta the loop is linear in w, so that the bounds of channels add up. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import finalg.
 From Compensators.foundations Require Import PositiveDefinite.
 From Compensators.theorems Require Import ForwardConvergence Contraction SmallGain.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

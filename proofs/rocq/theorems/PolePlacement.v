@@ -1,6 +1,7 @@
 (* Pole placement by state feedback and by output injection, for every n >= 1 and every field:
    (7.25)-(7.30) with Ackermann's formula. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import finalg.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

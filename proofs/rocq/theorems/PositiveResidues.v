@@ -1,7 +1,7 @@
 (* Hermite and Biehler by residues: of a Hurwitz polynomial G + H, with its even and its odd part as G and H
    in either order, H has simple roots, on the imaginary axis, at which G / H has positive residues; and a
    polynomial with such parts is Hurwitz. Over a real closed field. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.theorems Require Import RouthHurwitz.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -3,7 +3,7 @@
    of p outputs and m inputs in block observable form, whose state is a window of past data, and
    u = K x^ with x^(k) from the data up to k - 1. Where the model is the plant and K constant, the loop is
    observer-based with a deadbeat observer: its polynomial is q^(n p) chi(A + Gamma K), whatever K. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import ClosedLoop.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

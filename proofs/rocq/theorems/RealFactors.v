@@ -1,6 +1,6 @@
 (* When a real polynomial of degree 2n is a product of two of degree n, over every real closed
    field. Complex roots come in pairs; the rest is parity. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary.
 From Compensators.theorems Require Import Diophantine.

@@ -1,7 +1,7 @@
 (* (4.14) for recorded sequences with any initial state: whatever made u, z is the response of the loop
    with the fixed controller to w, plus its response to u~, plus its free response. Any number of
    signals, any n_c, with all direct terms. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

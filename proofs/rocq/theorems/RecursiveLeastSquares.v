@@ -1,6 +1,6 @@
 (* The proposition of Section 2.3.4: the recursion (2.42)-(2.44) minimises the retrospective cost
    (2.41) at every step, and nothing else does. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.

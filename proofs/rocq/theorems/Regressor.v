@@ -1,7 +1,8 @@
 (* The regressor form of the controller, (2.28)-(2.31), any number of signals and any k_c: Phi theta is
    the control for Phi = phi' (x) I and theta = vec [P_1 ... Q_n_c], without the transpose that (2.31)
    has; and for scalar signals the control of (2.28) is N_c / D_c of (2.33). *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import finalg.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

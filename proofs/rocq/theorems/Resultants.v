@@ -1,5 +1,6 @@
 (* Theorems A1 and A2, Propositions 3 and 4: the Sylvester resultants, for formal degrees. *)
-From mathcomp Require Import all_ssreflect perm all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import perm.
 From Compensators.foundations Require Import Vocabulary.
 From Compensators.theorems Require Import Diophantine.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,6 +1,6 @@
 (* (8.49)-(8.56): the retrospective cost of RCMR is a quadratic function of the input, and where its
    matrix is positive definite it has exactly one minimiser. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.

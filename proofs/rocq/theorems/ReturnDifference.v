@@ -1,6 +1,6 @@
 (* The return-difference identity of the Riccati equation (A.7), with every cross term, and the
    spectral factorisation behind the poles of high-authority LQG. Any number of signals first. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
@@ -123,9 +123,12 @@ have := return_difference (esym W_matrix) P_symmetric (tr_scalar_mx _ _) cross r
 have E_Phi_T : (Phi y)^T *m E_1^T = (g y)%:M by rewrite -trmx_mul E_Phi tr_scalar_mx.
 rewrite !K_Phi -!raddfB /= !tr_scalar_mx [(E_2 *: E_1^T)^T]linearZ /= trmxK.
 rewrite [_ *m (E_1^T *m E_1)]mulmxA E_Phi_T -[_ *m E_1 *m _]mulmxA E_Phi.
-rewrite -[_ *m (E_2 *: E_1) *m _]mulmxA -scalemxAl E_Phi -[(Phi y)^T *m (_ *: _)]scalemxAr E_Phi_T.
+have E_2_Phi z : (E_2 *: E_1) *m Phi z = (E_2 * g z)%:M by rewrite -scalemxAl E_Phi scale_scalar_mx.
+have E_2_Phi_T : (Phi y)^T *m (E_2 *: E_1^T) = (E_2 * g y)%:M.
+  by rewrite -scalemxAr E_Phi_T scale_scalar_mx.
+rewrite -[_ *m (E_2 *: E_1) *m _]mulmxA E_2_Phi E_2_Phi_T.
 have sum (a b : R) : a%:M + b%:M = (a + b)%:M :> 'M_1 by rewrite raddfD.
-rewrite !scale_scalar_mx -!scalar_mxM !sum => /(congr1 (fun M : 'M_1 => M 0 0)).
+rewrite -!scalar_mxM !sum => /(congr1 (fun M : 'M_1 => M 0 0)).
 rewrite !mxE eqxx !mulr1n closed closed !direct => identity.
 transitivity ((d y - k y) * W * (d x - k x)); first by ring.
 by rewrite identity; ring.

@@ -2,7 +2,7 @@
    and any number of signals; and for one input and scalar z = E_1 x + E_2 u there is one, where
    (A, B) is controllable and N_zu has no zero on the unit circle, R_2 = E_2^2 = 0 included. For any
    number of inputs and R_2 > 0 see StabilisingSolution. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import PolePlacement MinimalRealisations ReturnDifference.
@@ -279,7 +279,7 @@ have gain : W *: K = - (E_2 *: E_1 + B^T *m P *m A).
   rewrite scalerDr scalerA -expr2 /W scalerDl; apply/eqP.
   move: (B^T *m P *m A) => a; move: (b *: K) (E_2 *: E_1) (E_2 ^+ 2 *: K) => *.
   by apply/matrixP=> i j; rewrite !mxE; ring.
-suff riccati : P = A^T *m P *m A + E_1^T *m E_1 - W *: (K^T *m K) by exists P, K; split.
+suff riccati : P = A^T *m P *m A + E_1^T *m E_1 - W *: (K^T *m K) by exists P, K; split; [exact: P_T | exact: gain | exact: riccati | exact: in_M].
 have APB : A^T *m P *m B + E_2 *: E_1^T = - (W *: K^T).
   have := congr1 trmx gain; rewrite linearZ linearN linearD /= linearZ /= !trmx_mul trmxK P_T mulmxA.
   by move=> ->; rewrite opprK addrC.

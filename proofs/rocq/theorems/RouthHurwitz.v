@@ -1,6 +1,6 @@
 (* Routh's test for every degree, over a real closed field, from one inequality between the values of a
    polynomial and of its mirror image p(-s), an induction over the roots; no continuity of roots is needed. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.

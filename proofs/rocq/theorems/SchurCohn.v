@@ -1,7 +1,7 @@
 (* The test of Schur, Cohn and Jury for every degree, over a real closed field: from one inequality between
    the values of a polynomial and of the reversed one outside the unit circle; no continuity of roots is
    needed. In degrees 2 and 3 it reads as Jury's inequalities. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.theorems Require Import HighAuthorityPoles RouthHurwitz HurwitzInequalities.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -3,7 +3,7 @@
    eigenvalues that are not negative, the Cayley transform of M + tI is stable, and the solution of a Stein
    equation with it is M + tI. At a point of the boundary a transfer matrix is positive real if and only if its
    Cayley transform is bounded real. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Lyapunov StabilisingSolution.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,6 +1,6 @@
 (* The servo problem (2.16)-(2.23) is the standard problem with (2.24)-(2.27), any number of signals, with
    z = e_0, which is what the printed E_0 and G_zw belong to; z = e_n of (2.24) is y itself. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

@@ -1,7 +1,7 @@
 (* A stable compensator makes a unit of the loop, and one compensator for two plants is a stable compensator
    for an auxiliary plant (Vidyasagar and Viswanadham): over a field with any subring as the stable functions,
    then for strictly proper plants. Feedback is negative, as in (7.23). *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.theorems Require Import YoulaKucera StableProperFunctions.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

@@ -3,7 +3,7 @@
    ellipsoid, Delta' S Delta <= W, in any way: an adapting controller in the loop of theta_0, whatever adapts
    it. P and the weights are a certificate, the matrix of the bounded real lemma; that there is one where the
    gain is below 1 is not asked and not shown. Over any ordered field. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite.
 From Compensators.theorems Require Import ForwardConvergence Contraction.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

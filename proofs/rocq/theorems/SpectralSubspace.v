@@ -2,7 +2,7 @@
    over a real closed field the eigenvalues in one half-plane belong to an invariant subspace of half
    the dimension, on which J vanishes. Its dimension needs no multiplicities: both subspaces are
    isotropic, and together they are everything. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman RealFactors.

@@ -2,7 +2,7 @@
    stable functions, from a double Bezout identity; then the identity that an observer and a state feedback
    give, over the stable proper functions of any region. Feedback is negative, as in (7.23): the loop of a plant
    P and a compensator G is 1 + G P. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import YoulaKucera StableProperFunctions.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

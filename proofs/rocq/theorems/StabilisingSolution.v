@@ -1,7 +1,7 @@
 (* The stabilising solution of (A.7) exists, for any number of inputs and R_2 > 0, if (A, B) is
    stabilisable and [A - zI B; R_1 R_12; R_12' R_2] has no kernel on the unit circle. No limit is taken:
    the solution is the spectral subspace of the symplectic pencil, over every real closed field. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices PositiveDefinite.
 From Compensators.theorems Require Import Kalman Coprimeness HighAuthorityPoles Stein Riccati.

@@ -2,7 +2,7 @@
    of polynomials that are not 0 and whose products are in it, the stable denominators. An observer and a
    state feedback give a plant its Bezout identity there, so that all compensators that stabilise the plant
    are its observer-based compensator with one stable proper parameter Q. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import ClosedLoop HighAuthorityPoles RouthHurwitz YoulaKucera.

@@ -1,7 +1,7 @@
 (* State feedback with several inputs, over any field: Heymann's lemma, by the argument of Hautus, and
    with it placement of every polynomial, possible for controllable pairs and for no others; and the
    dual, output injection with several outputs. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement Coprimeness.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -1,7 +1,7 @@
 (* The Stein equation X = M X N + Q over a real closed field: where the eigenvalues of M and N are
    inside the unit circle it has exactly one solution. With M = N' it is the Lyapunov equation (4.23)
    of discrete time. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman HighAuthorityPoles.

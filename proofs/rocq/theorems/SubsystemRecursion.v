@@ -1,7 +1,7 @@
 (* The least squares of RCMR, (8.61)-(8.63), where the summand of (8.61) holds u*(i - d) and
    phi(i - d - 1) and the bracket of (8.63) holds phi(k - d - 1): an instance of the recursion of
    Section 2.3.4, a row of theta at a time; the gain P(k) phi is that of (2.42). *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite.
 From Compensators.theorems Require Import RecursiveLeastSquares.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

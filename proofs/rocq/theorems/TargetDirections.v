@@ -2,7 +2,7 @@
    eta' G_zu(z_0) = 0, an intercalated transfer matrix has the same zero in the same direction, unless
    the loop has a pole at z_0. G_zu = N_zu / D, G_yu = N_yu / D, G_f = N_f / D_f, all matrices of
    polynomials over scalar denominators, and q^n_c G_zu = G_f (D_c - N_c G_yu) is the exact match. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

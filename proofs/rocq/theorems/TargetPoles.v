@@ -1,7 +1,7 @@
 (* Section 4.5.1: where a loop matches the IIR target model (4.38) or (4.39) exactly, its remaining poles
    are the minimum-phase zeros of G_zu, and 0; and the target model cannot be matched where D_p has more
    than n_c + d_zu + deg N_zu,u poles. Any field. N_zu = H N_s N_u with N_s, N_u monic of degrees k, l. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

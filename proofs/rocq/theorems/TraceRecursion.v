@@ -2,7 +2,7 @@
    det(sI - A) where B_n-1 = 1, B_k-1 = A B_k + c_k, B_-1 = 0 and tr B_k = (k + 1) c_k+1, over a field of
    characteristic 0. Nothing is divided. For sum B_k s^k is then (sI - A)^-1 p, its trace is p', and that of
    (sI - A)^-1 is chi' / chi, so that p' chi = p chi'. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

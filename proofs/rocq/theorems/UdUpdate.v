@@ -1,7 +1,7 @@
 (* The UD update of Bierman for one measurement: with P = U diag(d) U', U unit upper triangular, its
    factors are those of the covariance update (2.43), and they stay a unit upper triangular matrix and
    positive numbers. Any size, over any ordered field. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import PositiveDefinite.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.

@@ -1,6 +1,6 @@
 (* The unobservable modes of a compensator, and the upper part of an invariant subspace whose
    polynomial has none of them. *)
-From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman Coprimeness InvariantSubspaces.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

@@ -2,7 +2,7 @@
    with gamma_0 = (alpha - n) / alpha, where (8.11) has n in the denominator. And where the dynamics are
    linear the unscented filter (8.13)-(8.24) is the Kalman filter (8.5)-(8.7), if its points are drawn
    anew from P^- after Q is added; with the points of (8.22) the gain knows nothing of Q. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

@@ -1,7 +1,7 @@
 (* A compensator with more states than the plant is an observer with state feedback and a filter of the
    innovations, a Youla parameter. Such forms are the factorisations D~ = p_R p_Q p_O in degrees n,
    n_c - n and n, each with its chain of invariant subspaces; over any field, for any n_c > n. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement ClosedLoop Diophantine Coprimeness.
 From Compensators.theorems Require Import MinimalRealisations CanonicalForm.

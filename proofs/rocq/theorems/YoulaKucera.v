@@ -2,7 +2,7 @@
    from one Bezout identity, for one signal and for many; for transfer functions over a field, with any
    subring as the stable ones; and as the proper compensators that place a polynomial. Feedback is negative,
    as in (7.23). *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.

@@ -1,6 +1,6 @@
 (* Witnesses of the theorems on certificates: the numbers 0 and 1, s + 1 with its root -1, z with its root 0. *)
 From Coq Require Import ZArith.
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.theorems Require TraceRecursion CertifiedSigns.
 From Compensators.theorems Require Import CertifiedEquations.

@@ -1,6 +1,6 @@
 (* Witnesses of the theorems on gains that move beside theta, on bounds of peaks, on one compensator for two
    plants, on all compensators of a plant with several signals and on semidefinite matrices. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed all_field.
 From Compensators.foundations Require Import Vocabulary PositiveDefinite SmallSystems.
 From Compensators.theorems Require ForwardConvergence SmallGain MovingGains PeakBounds YoulaKucera.

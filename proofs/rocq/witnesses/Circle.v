@@ -1,5 +1,5 @@
 (* Witnesses of the theorems of Chapter 8 and Appendix A and of the updates. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
 From Compensators.theorems Require ForwardRiccati ExactMatch MinimalLoops Lyapunov.

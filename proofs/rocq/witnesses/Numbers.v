@@ -1,5 +1,5 @@
 (* Witnesses of the theorems on hidden modes and on the number of forms: the loop with the poles 1, -1. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 From Compensators.theorems Require CountOfForms HiddenModes.
 From Compensators.theorems Require Import Kalman.

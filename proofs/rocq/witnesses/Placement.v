@@ -1,5 +1,5 @@
 (* Witnesses of the theorems of Chapters 2, 4 and 7 and of Appendix B. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
 From Compensators.theorems Require RecursiveLeastSquares Intercalation PolePlacement.

@@ -2,7 +2,7 @@
    in the place of its conclusion, refuted: if somebody adds a hypothesis that contradicts the others,
    the witness is no longer provable. And an example that most of them use: the plant 1 / s with the
    compensator x_c' = y, u = x_c, a loop with the poles 1 and -1. *)
-From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 From Compensators.theorems Require Import Kalman ClosedLoop Coprimeness Forms.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.

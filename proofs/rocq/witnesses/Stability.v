@@ -1,6 +1,6 @@
 (* Witnesses of the theorems on contraction and small gain, on predictive control, on parity interlacing, on
    all compensators, and of the tests of Routh, Kharitonov, Schur and Cohn. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary PositiveDefinite SmallSystems.
 From Compensators.theorems Require ForwardConvergence Contraction SmallGain PredictiveControl ParityInterlacing.

@@ -1,7 +1,7 @@
 (* Witnesses of the theorems on target models, on the least squares of RCMR, on the limit of (8.96) and on
    the unscented filter. *)
-From mathcomp Require Import all_ssreflect all_fingroup all_algebra ring.
-From mathcomp Require Import all_real_closed.
+From Compensators.foundations Require Import MathComp.
+From mathcomp Require Import fingroup perm all_real_closed.
 From Compensators.foundations Require Import Vocabulary PositiveDefinite.
 From Compensators.theorems Require Import HighAuthorityPoles.
 From Compensators.theorems Require ForwardConvergence TargetPoles TargetDirections SubsystemRecursion.

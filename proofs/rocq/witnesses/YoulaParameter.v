@@ -1,6 +1,6 @@
 (* Witnesses of the theorems on compensators with more states than the plant: 1 / s in a loop with
    1 / (s^2 - 3s + 3), whose poles are 1, 1, 1. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators.foundations Require Import MathComp.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems.
 From Compensators.theorems Require YoulaForms.
 From Compensators.theorems Require Import ClosedLoop Coprimeness CanonicalForm PolePlacement.
