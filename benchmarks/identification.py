@@ -361,6 +361,8 @@ def agreement(log, response):
 
 def oracle_is_ok(log):
     """Whether the true structure, fitted from the truth, gives a good loop; and its error."""
+    if np.ptp(log.u) == 0:
+        return False, np.inf
     record, plant = process_record(log.u, log.y), log.plant
     unit_u, unit_y = record.units
     best, n = None, len(plant.A) - 1
