@@ -330,7 +330,8 @@ class WeightGrid:
         raise NoSolutionError(
             "no float64 controller of the weight grid stabilises the plant for this disturbance "
             f"and this command{rounded}. Reduce the order of the plant or its dead time, sample "
-            "more slowly, or give the disturbance as its size alone."
+            "more slowly (a log with --resample or read_log(..., resample=)), or give the "
+            "disturbance as its size alone."
         ) from obstacle
 
     def _by_runs(
