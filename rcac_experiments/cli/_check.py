@@ -122,10 +122,11 @@ def check(
     target model and k_w. Any other LOG needs u and y, optionally z, w and r, with one row per step;
     and theta (over time, or its final row), or the polynomials D_c and N_c. The status is 1 if the
     logged u is not the output of the logged theta or compensator, or if the log contradicts the
-    plant; 7 if the log does not decide the --problem of a transfer function; 5 for an unstable
-    loop; 6 for a loop that misses the poles of its target model. The report names a theta that
-    still changes; this is no error. If u is not the output of theta, it names the --convention of
-    another program by which u is.
+    plant: the error of y is larger than that of a fitted model, and no disturbance that was not
+    logged explains it; 7 if the log does not decide the --problem of a transfer function; 5 for an
+    unstable loop; 6 for a loop that misses the poles of its target model. The report names a theta
+    that still changes; this is no error. If u is not the output of theta, it names the --convention
+    of another program by which u is.
     """
     with np.errstate(all="ignore"):  # an overflow is reported, without a warning of NumPy
         model, table = read_case(plant, problem, sample_time)

@@ -10,11 +10,16 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.checks._logs import ControllerLog
-from rcac_numeric.checks._plant_residual import LONGEST, MOST_NUMBERS, inputs, one_step_errors
+from rcac_numeric.checks._plant_residual import (
+    LONGEST,
+    MOST_NUMBERS,
+    inputs,
+    one_step_errors,
+    whitened,
+)
 from rcac_numeric.plants._linear import Plant
 
 DELAYS = (0, 1, 2, 3, -1)  # steps that u may act later than the plant says, or earlier
-AR = 8  # past errors that a disturbance may be predicted from
 BLOCKS, DECISIVE = 20, 4.0  # of the paired comparison; its Student's t
 CLEARLY = 3.0  # rms over rms that decides by itself
 FEWEST = 60  # steps
@@ -172,20 +177,7 @@ def _errors(log: ControllerLog, plant: Plant, delay: int) -> Array | None:
         e = one_step_errors(plant, B, D, np.hstack([u, known]), y)
     if len(e) < FEWEST or not np.isfinite(e).all() or not np.diff(y, axis=0).any():
         return None
-    return _whitened(e)
-
-
-def _whitened(e: Array) -> Array:
-    """The residual of each component after a constant and an AR model."""
-    columns = []
-    for column in e.T:
-        past = [column[AR - i - 1 : len(column) - i - 1] for i in range(AR)]
-        data = np.column_stack([*past, np.ones(len(column) - AR)])
-        scale = np.linalg.norm(data, axis=0)
-        data = data / np.where(scale > 0, scale, 1.0)
-        now = column[AR:]
-        columns.append(now - data @ np.linalg.lstsq(data, now, rcond=1e-10)[0])
-    return np.column_stack(columns)
+    return whitened(e)
 
 
 def _differ(better: Array, worse: Array, floor: float) -> bool:

@@ -24,8 +24,12 @@ FEWEST, LARGEST_ORDER, MOST_COEFFICIENTS = 10, 100, 400  # the last: of the plan
 # noise. Where not all of w was logged it may be a disturbance, unless a fit leaves rounding alone.
 UNEXPLAINED, TIMES_WORSE = 0.1, 3.0
 ROUNDING = 100 * np.finfo(float).eps  # of the terms that e is the sum of
-# A plant is contradicted if y(k) = y(k-1) predicts better, and a fit so many times better.
+# There is doubt, too, if y(k) = y(k-1) predicts better, and a fit so many times better.
 CONTRADICTED = 2.0
+# Doubt contradicts the plant unless a disturbance may be all of e. A tone, a ramp or coloured noise
+# is predicted by its own past, so that an AR model of e leaves no more than a fitted plant does;
+# the error of another plant depends on u, and is not.
+AR, TONE = 8, 1e-8  # past errors; what the AR model may leave of a tone, of the rms of e
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +57,8 @@ class PlantResidual(Result):
         What e may be by rounding alone.
     is_known : bool
         Whether all of w was logged.
+    whitened : float
+        Root mean square of e less a constant and its prediction by an AR model of e.
     """
 
     rms: float
@@ -63,6 +69,7 @@ class PlantResidual(Result):
     noise_gain: float = 1.0
     rounding: float = 0.0
     is_known: bool = False
+    whitened: float = 0.0
 
     @property
     def relative(self) -> float:
@@ -78,14 +85,25 @@ class PlantResidual(Result):
             return self.relative > 1.0
         times = self.rms / max(self.best, self.rounding, np.finfo(float).tiny)
         if self.relative > UNEXPLAINED:
-            return bool(times > TIMES_WORSE) or self.is_contradicted
+            return bool(times > TIMES_WORSE) or self._is_useless
         is_exact = self.is_known or self.best <= self.rounding
         return bool(is_exact and times > TIMES_WORSE * self.noise_gain)
 
     @property
-    def is_contradicted(self) -> bool:
+    def _is_useless(self) -> bool:
         """Whether y(k) = y(k-1) predicts better, and a fitted plant twice as well."""
         return self.best is not None and self.relative > 1 and self.rms > CONTRADICTED * self.best
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether there is doubt, and a disturbance that was not logged cannot explain the log."""
+        if not self.is_doubtful:
+            return False
+        if self.is_known or self.best is None:
+            return self.is_known or bool(self.remedy)
+        floor = max(self.best, self.rounding, TONE * self.rms, np.finfo(float).tiny)
+        times = CONTRADICTED if self._is_useless else TIMES_WORSE
+        return bool(self.whitened > times * floor)
 
     def __str__(self) -> str:
         fitted = "" if self.best is None else f"{self.best:.3g} for a model fitted to the log; "
@@ -96,24 +114,29 @@ class PlantResidual(Result):
             fits = self.relative <= UNEXPLAINED
             words = "The plant fits the log" if fits else "Plant and log agree within the noise"
             return f"{words}: {size}."
+        check = f" Check {self.remedy}." if self.remedy else ""
+        if not self.is_contradicted:
+            return (
+                f"Plant and log disagree: {size}. Either the log is of another plant, or "
+                f"disturbances act on the loop that were not logged as w.{check}"
+            )
         if self.remedy:
-            return f"The log is NOT of this plant: {size}. Check {self.remedy}."
-        if self.is_contradicted:
+            return f"The log is NOT of this plant: {size}.{check}"
+        if self._is_useless:
             return (
-                f"The log is NOT explained by this plant and contradicts it: {size}; the "
-                "prediction y(k) = y(k-1) is better. The log is of another plant, sign or problem, "
-                "and the results below are for a loop that did not run."
+                f"The log is NOT explained by this plant: {size}; the prediction y(k) = y(k-1) is "
+                "better. The log is of another plant, sign or problem."
             )
-        words = f"The log is NOT explained by this plant: {size}. "
-        if self.is_known:
-            return (
-                f"{words}All of w was logged: the log is of another plant, or a disturbance "
-                "acts for which w has no channel."
-            )
-        return (
-            f"{words}Either the log is of another plant, and the results below are for a loop that "
-            "did not run, or disturbances act on the loop that were not logged as w."
+        why = (
+            f"It is of another plant: an AR({AR}) model, which predicts a disturbance, leaves "
+            f"{self.whitened:.3g} of that error."
         )
+        if self.is_known:
+            why = (
+                "All of w was logged: the log is of another plant, or a disturbance acts for which "
+                "w has no channel."
+            )
+        return f"The log is NOT explained by this plant: {size}. {why}"
 
 
 @np.errstate(over="ignore", invalid="ignore")  # an overflow has no residual
@@ -164,7 +187,7 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     terms = max(np.abs(M).sum(axis=0).max(), 1.0) * max(np.abs(T).sum(axis=1).max(), 1.0)
     residual = PlantResidual(
         float(rms), float(change), fitted, offset=offset, noise_gain=gain,
-        rounding=float(ROUNDING * terms * size), is_known=is_known,
+        rounding=float(ROUNDING * terms * size), is_known=is_known, whitened=_unpredicted(e) * size,
     )  # fmt: skip
     if not residual.is_doubtful and residual.relative <= UNEXPLAINED:
         return residual
@@ -240,6 +263,28 @@ def _best(u: Array, known: Array, y: Array, n: int) -> float | None:
     now = y[n:]
     e = now - data @ np.linalg.lstsq(data, now, rcond=None)[0]
     return float(np.sqrt(np.sum(e**2) / (freedom * y.shape[1])))
+
+
+def whitened(e: Array, order: int = AR) -> Array:
+    """The residual of each component after a constant and an AR model."""
+    columns = []
+    for column in e.T:
+        past = [column[order - i - 1 : len(column) - i - 1] for i in range(order)]
+        data = np.column_stack([*past, np.ones(len(column) - order)])
+        scale = np.linalg.norm(data, axis=0)
+        data = data / np.where(scale > 0, scale, 1.0)
+        now = column[order:]
+        columns.append(now - data @ np.linalg.lstsq(data, now, rcond=1e-10)[0])
+    return np.column_stack(columns)
+
+
+def _unpredicted(e: Array) -> float:
+    """The rms of what a constant and the past of e leave of it, per degree of freedom."""
+    if not np.isfinite(e).all():
+        return float("inf")
+    order = min(AR, len(e) // 6)
+    rest = whitened(e, order)
+    return float(np.sqrt(np.sum(rest**2) / ((len(rest) - order - 1) * e.shape[1])))
 
 
 def _about_mean(e: Array) -> float:

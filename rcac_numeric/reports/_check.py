@@ -17,6 +17,7 @@ from rcac_numeric.checks._diagnosis import NO_LOOP, loop_health
 from rcac_numeric.checks._hypotheses import Decision
 from rcac_numeric.reports._certified import proof_lines, proof_obstacle, tail_record
 from rcac_numeric.reports._loop import (
+    LOOP,
     health_lines,
     health_record,
     joined,
@@ -39,6 +40,9 @@ from rcac_numeric.reports._sheet import (
     complex_list,
 )
 
+# The loop of stability and margins, where the plant may not be that of the log.
+MODEL = "The loop of this plant and this controller"
+
 
 def check_sheet(check: ControllerCheck) -> Sheet:
     """The report of a controller check: log, controller, loop, and the parts not evaluated."""
@@ -59,12 +63,19 @@ def check_sheet(check: ControllerCheck) -> Sheet:
             *_doubt(check),
             *poles_and_health(
                 missed_poles(check.comparison, check.structure) if is_known else (),
-                health_lines(health),
+                health_lines(health, _subject(check)),
             ),
             *proof,
         ),
         sections=(*sections, _unanswered(check)),
     )
+
+
+def _subject(check: ControllerCheck) -> str:
+    residual = check.plant_residual
+    if residual is None or not residual.is_doubtful:
+        return LOOP
+    return f"{MODEL}, which did not run," if residual.is_contradicted else MODEL
 
 
 def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
@@ -119,7 +130,9 @@ def _log(check: ControllerCheck) -> Section:
         "problem": None if check.decision is None else _decided(check.decision),
         "plant_residual": None if residual is None else {
             name: getattr(residual, name)
-            for name in ("rms", "change", "best", "relative", "is_doubtful")
+            for name in (
+                "rms", "change", "best", "relative", "whitened", "is_doubtful", "is_contradicted",
+            )
         },
     }  # fmt: skip
     blocks += [Text(f"Clock: {check.log.clock}")] if check.log.clock else []
@@ -191,7 +204,8 @@ def _loop(check: ControllerCheck) -> Section:
     }
     zeros = {channel: complex_list(values) for channel, values in check.zeros.items()}
     facts = (Fact("poles", complex_list(poles)), *zeros_facts(zeros))
-    return Section("The closed loop", facts, {"loop": record, "margins": {}})
+    remark = "" if (subject := _subject(check)) == LOOP else f": {subject.rstrip(',').lower()}"
+    return Section("The closed loop", facts, {"loop": record, "margins": {}}, remark)
 
 
 def _disk(check: ControllerCheck) -> Section:

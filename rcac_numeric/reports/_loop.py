@@ -44,9 +44,15 @@ from rcac_numeric.reports._sheet import (
 EXACTLY, NEARLY = 1e-3, 1e-2
 
 
-def health_lines(health: LoopHealth) -> tuple[Text, ...]:
-    """Return the lines on stability, warnings with remedies, signal sizes, margins, excitation."""
-    lines = [_stability(health)]
+LOOP = "The closed loop"
+
+
+def health_lines(health: LoopHealth, subject: str = LOOP) -> tuple[Text, ...]:
+    """Return the lines on stability, warnings with remedies, signal sizes, margins, excitation.
+
+    `subject` says of which loop stability and margins are.
+    """
+    lines = [_stability(health, subject)]
     for warning in health.warnings:
         level: Level = "bad" if warning.is_grave else "warning"
         lines.append(Text(f"Warning ({warning.code}): {warning}", level))
@@ -58,7 +64,8 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
     for name, margins in health.margins.items():
         at = "" if len(health.margins) == 1 else f" at {name}"
         if margins.is_stable:
-            lines.append(Text(f"margins{at}: {margin_words(margins)}"))
+            owner = "" if subject == LOOP else " of that loop"
+            lines.append(Text(f"margins{owner}{at}: {margin_words(margins)}"))
     if health.excitation is not None:
         guard = "no numerical problems"
         if health.guard_count:
@@ -128,19 +135,22 @@ def health_record(health: LoopHealth) -> dict[str, Any]:
     return {"health": record, "warnings": warnings}
 
 
-def _stability(health: LoopHealth) -> Text:
+def _stability(health: LoopHealth, subject: str) -> Text:
     radius = health.spectral_radius
     if health.is_stable is None:
         return Text(f"Stability of the closed loop is unknown: {health.obstacle}.", "warning")
     assert radius is not None, "the loop is known"
-    return stability_line(health.is_stable, radius, "good" if health.is_healthy else "warning")
+    level: Level = "good" if health.is_healthy and subject == LOOP else "warning"
+    return stability_line(health.is_stable, radius, level, subject)
 
 
-def stability_line(is_stable: bool, radius: float, level: Level = "good") -> Text:
+def stability_line(
+    is_stable: bool, radius: float, level: Level = "good", subject: str = LOOP
+) -> Text:
     """The verdict on stability, the first line of a loop's report."""
     if not is_stable:
-        return Text(f"The closed loop is UNSTABLE, spectral radius {radius_text(radius)}.", "bad")
-    return Text(f"The closed loop is stable, spectral radius {radius_text(radius)}.", level)
+        return Text(f"{subject} is UNSTABLE, spectral radius {radius_text(radius)}.", "bad")
+    return Text(f"{subject} is stable, spectral radius {radius_text(radius)}.", level)
 
 
 def radius_text(radius: float) -> str:

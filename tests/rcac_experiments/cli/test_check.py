@@ -386,6 +386,25 @@ def test_the_plant_is_doubted_before_anything_else_is_said(logs):
     assert "from the log: servo" in " ".join(other.output.split())
 
 
+def test_the_status_is_that_of_the_first_line(tmp_path):
+    """Status 1 where the plant does not explain the log; its loop is not called that of the log."""
+    right = rn.servo_plant("0.68/(q - 0.82)")
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2), target=rn.fir_target(right), update=rn.UD(1e-3)
+    )
+    ran = rn.simulate(right, settings, np.outer(np.arange(600) // 100 % 2, [1.0, 0, 0]))
+    log = write_csv(tmp_path / "log.csv", {
+        "u": ran.u, "y": ran.y, "r": ran.w[:, :1], "theta": ran.theta})  # fmt: skip
+    options = ("--problem", "servo", "--structure", "iir", "--n-c", 2)
+    wrong = run(log, "--plant", "0.55/(q - 0.82)", *options)
+    words = " ".join(wrong.output.split())
+    assert wrong.exit_code == 1 and "The log is NOT explained by this plant" in words
+    assert "The loop of this plant and this controller, which did not run, is" in words
+    assert "The closed loop is" not in words
+    fits = run(log, "--plant", "0.68/(q - 0.82)", *options)
+    assert fits.exit_code == 0 and "The closed loop is stable" in fits.output
+
+
 def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
     """A PI controller that ran elsewhere, with a load that nobody logged."""
     plant, pi = "0.2*(q + 0.8)/((q - 0.9)*(q - 0.7))", "-(0.5*q - 0.4)/(q - 1)"

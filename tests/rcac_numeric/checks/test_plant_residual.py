@@ -4,8 +4,22 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
-from rcac_numeric import ControllerLog, Plant, plant_residual, servo_plant, standard_plant
+from rcac_numeric import (
+    UD,
+    ControllerLog,
+    ControllerSettings,
+    FixedController,
+    Plant,
+    fir_target,
+    iir,
+    lqg_controller,
+    plant_residual,
+    servo_plant,
+    simulate,
+    standard_plant,
+)
 
 
 def response(plant, u, w, x_0):
@@ -151,3 +165,47 @@ def test_a_constant_that_was_not_logged_contradicts_no_plant(n, size, seed):
     assert not residual.is_doubtful and not residual.is_contradicted
     if residual.offset > 1e-3:
         assert "a constant" in str(residual)
+
+
+RIGHT = "(q - 0.3)/((q - 0.9)*(q - 0.5))"
+K = np.arange(600)
+DISTURBANCES = {
+    "tone": lambda rng: np.sin(rng.uniform(0.05, 2) * K),
+    "slow tone": lambda rng: 3 * np.sin(0.02 * K + 1),
+    "step": lambda rng: 1.0 * (K > 200),
+    "ramp": lambda rng: 0.01 * K,
+    "square": lambda rng: np.sign(np.sin(0.05 * K)),
+    "coloured noise": lambda rng: lfilter([0.3], [1, -0.95], rng.standard_normal(600)),
+    "white noise": lambda rng: rng.standard_normal(600),
+}
+
+
+def controllers(plant):
+    """A fixed and an adaptive one."""
+    yield FixedController(lqg_controller(plant).compensator)
+    target = fir_target(plant)
+    yield ControllerSettings(structure=iir(2 * plant.n), target=target, update=UD(1e-2))
+
+
+@pytest.mark.parametrize("disturbance", DISTURBANCES)
+@pytest.mark.parametrize("index", range(2))
+def test_no_disturbance_that_was_not_logged_contradicts_the_right_plant(disturbance, index):
+    """It may raise doubt, as y(k) = y(k-1) may predict better; the words then name both causes."""
+    plant = standard_plant(RIGHT)
+    for seed in range(4):
+        w = DISTURBANCES[disturbance](np.random.default_rng(seed))[:, None]
+        run = simulate(plant, list(controllers(plant))[index], w)
+        residual = plant_residual(ControllerLog(run.u, run.y), plant)
+        assert not residual.is_contradicted and "NOT" not in str(residual)
+        assert not residual.is_doubtful or "disturbances act" in str(residual)
+
+
+@pytest.mark.parametrize("gain", [0.55, 0.66, -0.68])
+@pytest.mark.parametrize("command", [np.sin(0.2 * K), 1.0 * (K // 100 % 2)], ids=["tone", "steps"])
+def test_a_log_without_disturbance_contradicts_another_gain(gain, command):
+    right = servo_plant("0.68/(q - 0.82)")
+    run = simulate(right, list(controllers(right))[1], np.outer(command, [1, 0, 0]))
+    log = ControllerLog(run.u, run.y, r=run.w[:, :1])
+    residual = plant_residual(log, servo_plant(f"{gain}/(q - 0.82)"))
+    assert residual.is_contradicted and "NOT" in str(residual)
+    assert not plant_residual(log, right).is_doubtful
