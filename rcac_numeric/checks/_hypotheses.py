@@ -11,6 +11,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._plant_residual import (
+    AR,
     LONGEST,
     MOST_NUMBERS,
     inputs,
@@ -49,7 +50,7 @@ class Hypothesis:
     rms: float
 
     def __str__(self) -> str:
-        return f"{self.convention} (prediction error {self.rms:.3g})"
+        return f"{self.convention} (whitened prediction error {self.rms:.3g})"
 
     @property
     def convention(self) -> str:
@@ -110,8 +111,8 @@ class Decision:
         if self.is_contradicted:
             worse = f" The prediction y(k) = y(k-1) is better, with error {self.stays:.3g}."
         return (
-            f"Plant convention, from the log: {decided.convention} (rms prediction error of y "
-            f"{decided.rms:.3g}{best}).{worse}"
+            f"Plant convention, from the log: {decided.convention} (rms of the prediction "
+            f"error of y, whitened by an AR({AR}) model: {decided.rms:.3g}{best}).{worse}"
         )
 
 

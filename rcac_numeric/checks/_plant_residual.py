@@ -26,6 +26,7 @@ UNEXPLAINED, TIMES_WORSE = 0.1, 3.0
 ROUNDING = 100 * np.finfo(float).eps  # of the terms that e is the sum of
 # There is doubt, too, if y(k) = y(k-1) predicts better, and a fit so many times better.
 CONTRADICTED = 2.0
+UNDECIDED = 0.5  # a fit that leaves so much of how y changes decides nothing
 # Doubt contradicts the plant unless a disturbance may be all of e. A tone, a ramp or coloured noise
 # is predicted by its own past, so that an AR model of e leaves no more than a fitted plant does;
 # the error of another plant depends on u, and is not.
@@ -110,10 +111,16 @@ class PlantResidual(Result):
         mean = f" about a constant of {self.offset:.3g}" if self.offset > self.rms else ""
         size = f"one-step prediction error of y {self.rms:.3g} rms{mean} "
         size += f"({fitted}y changes by {self.change:.3g} rms per step)"
+        if not self.is_doubtful and self.relative <= UNEXPLAINED:
+            return f"The plant fits the log: {size}."
+        if not self.is_doubtful and self.best is not None and self.best > UNDECIDED * self.change:
+            return (
+                f"The log neither confirms nor contradicts the plant: {size}. No fixed model of "
+                "this order predicts y well: noise or disturbances that were not logged, or "
+                "columns or a plant that change on the way."
+            )
         if not self.is_doubtful:
-            fits = self.relative <= UNEXPLAINED
-            words = "The plant fits the log" if fits else "Plant and log agree within the noise"
-            return f"{words}: {size}."
+            return f"Plant and log agree within the noise: {size}."
         check = f" Check {self.remedy}." if self.remedy else ""
         if not self.is_contradicted:
             return (

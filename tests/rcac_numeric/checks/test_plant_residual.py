@@ -209,3 +209,23 @@ def test_a_log_without_disturbance_contradicts_another_gain(gain, command):
     residual = plant_residual(log, servo_plant(f"{gain}/(q - 0.82)"))
     assert residual.is_contradicted and "NOT" in str(residual)
     assert not plant_residual(log, right).is_doubtful
+
+
+def test_a_fit_that_explains_nothing_is_no_agreement():
+    """u has the wrong sign in 600 of 1500 rows: no fixed model predicts y."""
+    plant = standard_plant("0.68/(q - 0.82)")
+    u = np.random.default_rng(2).standard_normal((1500, 1))
+    y = response(plant, u, np.zeros((1500, 1)), np.zeros(1))
+    assert "The plant fits the log" in str(plant_residual(ControllerLog(u, y), plant))
+    u[500:1100] *= -1
+    residual = plant_residual(ControllerLog(u, y), plant)
+    assert not residual.is_contradicted and "agree" not in str(residual)
+    assert "neither confirms nor contradicts" in str(residual)
+
+
+def test_noise_that_leaves_the_plant_visible_is_agreement():
+    plant = standard_plant("0.68/(q - 0.82)")
+    rng = np.random.default_rng(2)
+    u, w = rng.standard_normal((1500, 1)), 0.2 * rng.standard_normal((1500, 1))
+    y = response(plant, u, w, np.zeros(1))
+    assert "agree within the noise" in str(plant_residual(ControllerLog(u, y), plant))
