@@ -433,7 +433,7 @@ def check_controller(
             loop = analysis.loop
             unanswered |= _unanswered(log, analysis)
             if not knows_its_plant:  # a run's plant may have changed on the way
-                residual = plant_residual(log, plant)
+                residual = plant_residual(_as_read(log, conventions), plant)
         costs = loop_costs(loop, noise)
         margins, reasons = channel_margins(loop, sample_time)
         unanswered |= reasons
@@ -443,6 +443,13 @@ def check_controller(
         unanswered, is_fixed, conventions=conventions, run=run,
         settings=None if checked_run is None else checked_run.settings,
     )  # fmt: skip
+
+
+def _as_read(log: ControllerLog, conventions: ConventionSearch | None) -> ControllerLog:
+    """The log with the signal that the controller reads as y, where a convention replays."""
+    if conventions is None or not conventions.matches:
+        return log
+    return log.reading(conventions.matches[0].convention)
 
 
 def _log_of(signals: ArrayLike | ControllerLog, **arrays: Any) -> ControllerLog:

@@ -405,6 +405,23 @@ def test_the_status_is_that_of_the_first_line(tmp_path):
     assert fits.exit_code == 0 and "The closed loop is stable" in fits.output
 
 
+def test_the_plant_is_compared_with_the_signal_that_the_controller_reads(tmp_path):
+    """A log of the plant's output beside r, from a controller that reads r - y."""
+    right = rn.servo_plant("0.68/(q - 0.82)")
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2), target=rn.fir_target(right), update=rn.UD(1e-3)
+    )
+    ran = rn.simulate(right, settings, np.outer(np.arange(600) // 50 % 2, [1.0, 0, 0]))
+    r = ran.w[:, :1]
+    log = write_csv(tmp_path / "log.csv", {
+        "u": ran.u, "y": r - ran.y, "r": r, "theta": ran.theta[:, [2, 3, 0, 1]]})  # fmt: skip
+    options = ("--problem", "servo", "--structure", "iir", "--n-c", 2)
+    first = " ".join(run(log, "--plant", "0.68/(q - 0.82)", *options).output.split())
+    assert '--convention "r - y for y, y first"' in first and "The plant fits the log" in first
+    wrong = " ".join(run(log, "--plant", "0.55/(q - 0.82)", *options).output.split())
+    assert "The log is NOT explained by this plant" in wrong
+
+
 def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
     """A PI controller that ran elsewhere, with a load that nobody logged."""
     plant, pi = "0.2*(q + 0.8)/((q - 0.9)*(q - 0.7))", "-(0.5*q - 0.4)/(q - 1)"
