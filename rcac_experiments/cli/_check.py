@@ -313,19 +313,24 @@ def _structures(size: int, l_u: int, l_y: int) -> str:
 # Plant, names and intensities of a check from command-line options.
 
 Names = dict[str, str]
+ENTRIES = re.compile(r",(?=\s*(?:\w+\s*=|$))")  # the commas before NAME= and at the end
 
 
 def parse_names(text: str, option: str = "names", example: str = "u=input,y=output") -> Names:
     """Return the option --names u=input,y=output as a mapping.
+
+    A comma that no NAME= follows is part of the name before it.
 
     Examples
     --------
     >>> from rcac_experiments.cli._check import parse_names
     >>> parse_names("u=input, y=output")
     {'u': 'input', 'y': 'output'}
+    >>> parse_names("u=Valve, zone 1, y=TIC203.PV, degC")
+    {'u': 'Valve, zone 1', 'y': 'TIC203.PV, degC'}
     """
     names: dict[str, str] = {}
-    for part in filter(None, (p.strip() for p in text.split(","))):
+    for part in filter(None, (part.strip(", ") for part in ENTRIES.split(text))):
         role, equals, name = (piece.strip() for piece in part.partition("="))
         if not (role and equals and name):
             raise InputError(

@@ -53,3 +53,17 @@ def test_a_record_after_its_step_and_a_column_that_is_not_there(tmp_path):
     assert result.exit_code == 2 and "before the step" in result.output
     result = rcac("step", path)
     assert result.exit_code == 2 and "--names" in result.output
+
+
+@pytest.mark.parametrize(
+    "names",
+    ["y=T, degC,u=Valve, zone 1", "u=Valve, zone 1, y=T", " u = Valve, zone 1,y=T,"],
+)
+def test_names_of_columns_hold_commas_and_units(tmp_path, names):
+    path = tmp_path / "valve.csv"
+    rows = "".join(f"{k},{float(k > 20)},{20 + 3 * (k > 25)}.5\n" for k in range(60))
+    path.write_text(f'time (s),"Valve, zone 1","T, degC"\n{rows}')
+    result = rcac("log", path, "--names", names)
+    assert result.exit_code == 0, result.output
+    used = result.output.partition("Used by")[2].split()
+    assert used[-6:] == ["u", "Valve,", "zone", "1", "y", "T"]
