@@ -898,7 +898,13 @@ def _choice(nominal: Trial, comparison: Comparison) -> tuple[str, str]:
         return FIXED, f"{saved}, but {brings}, which is not significant."
     if comparison.interval[0] > 1 / WORTH:
         return FIXED, f"{brings} over the uncertainty."
-    return FIXED, f"{brings}: not significant, or too little to justify adaptation."
+    low, high = comparison.interval
+    if low > 1:
+        return FIXED, f"{brings}, which is significant."
+    if high < 1:
+        worth = f"the {100 * (1 - WORTH):.0f} % that justify adaptation"
+        return FIXED, f"{brings}: significant, but not significantly more than {worth}."
+    return FIXED, f"{brings}: not significant."
 
 
 def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
@@ -921,6 +927,17 @@ def _first_response(model: DesignPlant, fixed: FixedController) -> float:
     e = np.linalg.norm(simulate(model.servo(), fixed, w).z, axis=1)
     significant = e[e > np.finfo(float).eps * e.max()]
     return float(significant[0] / e.max()) if len(significant) else 1.0
+
+
+def _meaning_of_sign(model: DesignPlant) -> str:
+    """The response that the assumed sign is of."""
+    words = "the sign of y at rest for a constant u > 0"
+    if not model.is_stable:
+        words = "the sign of y in the end after a step of u > 0 from rest"
+        gain = model.gain_at_rest
+        if np.isfinite(gain) and gain != 0:
+            words += f" (y leaves; G(1) = {gain:.4g} is the equilibrium, which is unstable)"
+    return f"{words}; with the other sign every loop diverges"
 
 
 def _questions(
@@ -956,8 +973,7 @@ def _questions(
     questions += [
         ("plant", "gain 0 at rest", "a constant u has no lasting effect on y")
         if 0.0 in basis.blocked else
-        ("plant", f"sign {model.sign}",
-         "the sign of y at rest for a constant u > 0; with the other sign every loop diverges")
+        ("plant", f"sign {model.sign}", _meaning_of_sign(model))
         if model.m == 1 else
         ("plant", "at rest the weakest direction of u has "
          f"1/{model.condition:.3g} of the strongest's gain",

@@ -23,6 +23,7 @@ from rcac_numeric.designing._design import (
     Comparison,
     Recommendation,
     _choice,
+    _meaning_of_sign,
     _over_none,
 )
 from rcac_numeric.designing._expected import read_expected
@@ -41,19 +42,23 @@ def compared(ratio=1.0, interval=(0.0, np.inf), peak=1.0, wins=0, losses=0):
     ("comparison", "use", "words"),
     [
         (compared(interval=(0.5, BELOW)), RCAC, "over the uncertainty"),
-        (compared(interval=(0.5, WORTH)), FIXED, "not significant, or"),
+        (compared(interval=(0.5, WORTH)), FIXED, "significant, but not significantly more than"),
+        (compared(0.96, (0.946, 0.969)), FIXED, "by 4 %: significant, but not significantly more"),
+        (compared(0.96, (0.946, np.nextafter(1, 0))), FIXED, "than the 5 % that justify"),
         (compared(interval=(0.5, 0.9), losses=1, wins=1), RCAC, "over the uncertainty"),
         (compared(interval=(0.5, 0.9), losses=1), FIXED, "1 are unstable with RCAC alone"),
         (compared(interval=(0.5, 0.9), peak=PEAK), RCAC, "over the uncertainty"),
         (compared(interval=(0.5, 0.9), peak=1.6), FIXED, "1.6 times as large"),
         (compared(interval=(0.9, np.nextafter(1 / WORTH, 0)), wins=1), RCAC, "1 of 3 test runs"),
         (compared(interval=(0.9, 1 / WORTH), wins=1), FIXED, "which is not significant"),
-        (compared(interval=(0.9, 1.0), wins=1, losses=1), FIXED, "not significant, or"),
+        (compared(interval=(0.9, 1.0), wins=1, losses=1), FIXED, "0.5 %: not significant."),
         (compared(interval=(1.2, 1.4), wins=1), FIXED, "1 of 3 test runs"),
         (compared(interval=(1.2, 1.4)), FIXED, "RCAC changes"),
         (compared(interval=(ABOVE, 1.4)), FIXED, "over the uncertainty"),
-        (compared(interval=(1 / WORTH, 1.4)), FIXED, "not significant, or"),
-        (compared(ratio=np.nan, interval=(np.nan, np.nan)), FIXED, "not significant, or"),
+        (compared(interval=(1 / WORTH, 1.4)), FIXED, "0.5 %, which is significant"),
+        (compared(interval=(np.nextafter(1, 2), 1.4)), FIXED, "which is significant"),
+        (compared(interval=(1.0, 1.4)), FIXED, ": not significant."),
+        (compared(ratio=np.nan, interval=(np.nan, np.nan)), FIXED, ": not significant."),
     ],
 )
 def test_the_choice_at_its_bounds(comparison, use, words):
@@ -185,3 +190,18 @@ def test_a_frame_is_refused_with_the_call_that_reads_it(plant):
 def test_arguments_are_refused_before_the_plant_is_read(options, words):
     with pytest.raises(InputError, match=words):
         design(None, **{**SMALL, **options})
+
+
+@pytest.mark.parametrize(
+    ("plant", "sign", "words"),
+    [
+        ("1/(s + 1)", "+", "of y at rest"),
+        ("1/s", "+", "in the end"),
+        ("15/(3*s - 1)", "+", "G(1) = -15 is the equilibrium, which is unstable"),
+        ("-15/(3*s - 1)", "-", "G(1) = 15 is the equilibrium, which is unstable"),
+    ],
+)
+def test_the_assumed_sign_names_its_response(plant, sign, words):
+    """y of 15/(3 s - 1) grows after a step of u, and its equilibrium for a constant u is -15 u."""
+    model = read_plant(plant, 0.1, 0.0)
+    assert model.sign == sign and words in _meaning_of_sign(model)
