@@ -44,6 +44,7 @@ REPLAYED = 8  # conventions with the least residual, which are replayed
 MOVING = 1e-3
 # An actuator's limit is an extreme value of u that so many steps have.
 STAYS = 2
+LONG = 20  # moving steps for which our convention must hold before a first difference is named
 FREE = 3  # steps without a limit for each coefficient, before limits are believed
 SURE = 4.0  # standard errors within which a fitted limit is replaced by a number of fewer digits
 SAME = 1e-5  # relative difference of two signals that are one, but for its rounding
@@ -126,13 +127,30 @@ class ConventionSearch(Result):
         """Whether exactly one convention replays."""
         return len(self.matches) == 1
 
+    def _moving(self, step: int) -> int:
+        """The number of compared steps before a step at which u is not nearly zero."""
+        u = np.abs(self.ours.u).max(axis=1)
+        return int(np.sum(u[self.ours.start : step] > MOVING * u.max()))
+
     def __str__(self) -> str:
         if not self.matches:
             controller = "Phi theta" if self.of == "theta" else "the output of the controller"
-            misfit = f"largest relative misfit {self.ours.worst:.2g} at step {self.ours.worst_step}"
+            misfit = (
+                f"largest relative difference {self.ours.worst:.2g} at step {self.ours.worst_step}"
+            )
             close = ""
             if self.closest is not None and self.closest.replay.worst < self.ours.worst:
-                close = f"; closest, with {self.closest.replay.worst:.2g}: {self.closest}"
+                close = (
+                    f"; closest, with relative difference {self.closest.replay.worst:.2g}: "
+                    f"{self.closest}"
+                )
+            if (step := self.ours.first_difference) is not None and self._moving(step) >= LONG:
+                row = {0: "", 1: ", with row k - 1 of theta", -1: ", with row k + 1 of theta"}
+                return (
+                    f"u = {controller} holds up to step {step - 1}{row[self.ours.shift]}, and "
+                    f"differs first at step {step}; {misfit}. No other of {self.tried} "
+                    f"conventions holds{close}. Look at u, y and theta from step {step} on."
+                )
             return (
                 f"The log does not contain u = {controller} under any of {self.tried} conventions: "
                 f"{misfit}{close}. Is u the computed one, without dither?"

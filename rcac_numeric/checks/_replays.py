@@ -61,6 +61,8 @@ class ControlReplay(Result):
         The roundings of the log in words; empty where they do not matter.
     limited : int
         The number of steps at which the limits of u decide.
+    first_difference : int or None
+        The first compared step with a difference beyond the tolerance there.
     """
 
     _ANSWER = "agrees"
@@ -74,6 +76,7 @@ class ControlReplay(Result):
     tolerance: float = STILL
     resolution: str = ""
     limited: int = 0
+    first_difference: int | None = None
 
     @property
     def agrees(self) -> bool:
@@ -436,10 +439,11 @@ class LogErrors:
         excess = (gaps / allowed)[compared].max(axis=1)
         step = start + int(np.argmax(excess))
         component = int(np.argmax(gaps[step] / allowed[step]))
+        beyond = np.flatnonzero(excess > 1)
         return ControlReplay(
             u=u_computed, start=start, shift=shift, worst=float(gaps[step, component]),
             worst_step=step, of=of, tolerance=float(allowed[step, component]), resolution=words,
-            limited=limited,
+            limited=limited, first_difference=start + int(beyond[0]) if len(beyond) else None,
         )  # fmt: skip
 
     def _words(self, of: str) -> str:

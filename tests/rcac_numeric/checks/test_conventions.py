@@ -216,3 +216,31 @@ def test_a_signal_that_the_log_lacks_is_refused():
         with pytest.raises(InputError, match=r"no z|no r"):
             replay(log, iir(1), convention=words)
     assert {name for name, _ in WORDS.values()} >= {"negative_y", "signal", "own_u"}
+
+
+@pytest.mark.parametrize("first", [81, 120])
+def test_the_first_step_that_differs_is_named(first):
+    """u is 0.1 % off from one step on; y is zero until step 40, where every convention holds."""
+    rng = np.random.default_rng(4)
+    y, u, theta = (
+        rng.standard_normal((160, 1)),
+        np.zeros((160, 1)),
+        rng.uniform(-0.4, 0.4, (160, 2)),
+    )
+    y[:40] = 0
+    for k in range(1, 160):
+        u[k] = (theta[k] @ [u[k - 1, 0], y[k - 1, 0]]) * (1.001 if k >= first else 1)
+    check = check_controller(u, y, theta=theta, structure=iir(1))
+    assert check.replay.first_difference == first and not check.replay.agrees
+    words = str(check.conventions)
+    assert words.startswith(f"u = Phi theta holds up to step {first - 1}, and differs first at")
+    assert "relative difference" in words
+
+
+def test_steps_at_rest_show_no_convention():
+    """With y = 0 until step 40 every convention holds there; the first difference says nothing."""
+    rng = np.random.default_rng(5)
+    y, u = rng.standard_normal((160, 1)), 0.1 * rng.standard_normal((160, 1))
+    y[:40], u[:40] = 0, 0
+    check = check_controller(u, y, theta=rng.uniform(-0.4, 0.4, (160, 2)), structure=iir(1))
+    assert check.replay.first_difference == 40 and "under any of" in str(check.conventions)
