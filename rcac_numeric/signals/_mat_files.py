@@ -57,6 +57,11 @@ def read_mat(file: Path) -> dict[str, Any]:
                 f"{file} says that it is a .mat file of version 7.3, and is no HDF5 file. Save it "
                 "with save('-v7', ...) in MATLAB or Octave."
             )
+        if contents.startswith((b"# Created by Octave", b"# name:", b"Octave-1-")):
+            raise InputError(
+                f"{file} is in Octave's own text or binary format, which is not read here. Save it "
+                f"with save('-v7', '{file.name}', ...) in Octave."
+            )
         if _version(contents) != 1 or contents[126:128] not in (b"IM", b"MI"):
             raise InputError(f"{file} is not a .mat file that can be read.")
         return _Version5(contents, "<" if contents[126:128] == b"IM" else ">", limit).variables()
