@@ -13,6 +13,7 @@ from rcac_experiments.cli._output import as_json_option, budget_option, show
 from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_numeric.arrays._values import replaced
 from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import Supervision
 from rcac_numeric.engine._runs import Run, load_run
 from rcac_numeric.export._fmu import VERSIONS, export_fmu
@@ -20,6 +21,8 @@ from rcac_numeric.export._folder import LAYOUTS, Export, export_controller
 from rcac_numeric.export._header import REALS
 from rcac_numeric.export._recording import STEPS
 from rcac_numeric.reports._sheet import Fact, Section, Sheet, Text
+
+WRITTEN = "Written by `rcac export`"  # in the README of each export
 
 
 @click.command("export")
@@ -69,7 +72,7 @@ def export(
     """
     supervision = Supervision() if supervised else None
     with np.errstate(all="ignore"):
-        run = _run(case, values, budget, name, whole=fixed)
+        run, words = _run(case, values, budget, name, fixed)
         controller = FixedController(run.compensator, run.settings.l_r) if fixed else run
         if folder.suffix == ".fmu":
             _require_defaults(real, layouts, prefix, live_order)
@@ -80,10 +83,11 @@ def export(
                 controller, folder, sample_time=period, version=fmi,
                 saturation=run.saturation, supervision=supervision,
             )  # fmt: skip
-            show(_fmu_sheet(file, fmi, period), as_json)
+            show(_fmu_sheet(file, fmi, period, words), as_json)
             return
         if folder.is_file():
             raise InputError(f"{folder} is a file; -o needs a folder, or an FMU that ends in .fmu.")
+        _require_export(folder)
         exported = export_controller(
             controller,
             folder,
@@ -95,7 +99,7 @@ def export(
             supervision=supervision,
             run=run,
         )
-    show(_sheet(exported), as_json)
+    show(_sheet(exported, words), as_json)
 
 
 def _require_defaults(
@@ -111,7 +115,16 @@ def _require_defaults(
         raise InputError(f"{' and '.join(wrong)} apply to C, not to an FMU.")
 
 
-def _fmu_sheet(file: Path, version: str, sample_time: float) -> Sheet:
+def _require_export(folder: Path) -> None:
+    """Refuse a folder with files, unless its README says that an export wrote it."""
+    if not folder.is_dir() or not any(folder.iterdir()):
+        return
+    text = folder / "README.md"
+    if not text.is_file() or WRITTEN not in text.read_text(encoding="utf-8", errors="replace"):
+        raise InputError(f"{folder} has files that rcac export did not write; name a new folder.")
+
+
+def _fmu_sheet(file: Path, version: str, sample_time: float, words: str) -> Sheet:
     facts = (
         Fact("file", str(file)),
         Fact("interface", f"FMI {version}, co-simulation"),
@@ -120,30 +133,52 @@ def _fmu_sheet(file: Path, version: str, sample_time: float) -> Sheet:
     )
     record = {"file": str(file), "fmi": version, "sample_time": sample_time}
     return Sheet(
-        "A controller as an FMU", sections=(Section(blocks=facts, record={"export": record}),)
+        "A controller as an FMU",
+        health=(Text(words),),
+        sections=(Section(blocks=facts, record={"export": record}),),
     )
 
 
 def _run(
-    case: str, values: tuple[str, ...], budget: ExperimentBudget, name: str | None, whole: bool
-) -> Run:
-    """Return the run to export, or its first steps if they suffice."""
+    case: str, values: tuple[str, ...], budget: ExperimentBudget, name: str | None, fixed: bool
+) -> tuple[Run, str]:
+    """Return the run to export, or its first steps if they suffice, and words on its controller."""
     if case.endswith(".npz"):
         if values or name:
             raise InputError(f"{case} is a saved run; --set and --run need a TOML file.")
-        return load_run(case)
+        run = load_run(case)
+        return run, f"Exported: {_controller(run, fixed)}."
     experiment = case_experiment(case, values, budget)
     if name is not None and name not in experiment.runs:
         raise InputError(f"--run {name}: the runs are {', '.join(map(repr, experiment.runs))}.")
     chosen = experiment.main_run if name is None else experiment.runs[name]
     if chosen.reference:
         raise InputError("this run uses ball arithmetic; choose another one with --run.")
-    steps = chosen.steps if whole else min(chosen.steps, STEPS)
-    return replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
+    steps = chosen.steps if fixed else min(chosen.steps, STEPS)
+    run = replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
+    words = f"Exported: run {chosen.name!r}, {_controller(run, fixed)}."
+    if (first := experiment.main_run.name) != chosen.name:
+        words += f" The first run of {case}, the verdict in the file of a design, is {first!r}."
+    return run, words
 
 
-def _sheet(exported: Export) -> Sheet:
-    health = [Text(warning, "warning") for warning in exported.warnings]
+def _controller(run: Run, fixed: bool) -> str:
+    """Whether the exported controller adapts."""
+    if fixed:
+        return "its final controller, fixed"
+    settings = run.settings
+    if not isinstance(settings, ControllerSettings):
+        return "a fixed controller"
+    if (0, None) in settings.freeze:
+        return (
+            "the fixed controller theta(0): adaptation is frozen from step 0; --fixed leaves its "
+            "code out"
+        )
+    return "adaptive"
+
+
+def _sheet(exported: Export, words: str) -> Sheet:
+    health = [Text(words), *(Text(warning, "warning") for warning in exported.warnings)]
     if not exported.is_verified:
         health.append(Text("Not compiled: this machine has no C compiler.", "warning"))
     facts = [

@@ -270,7 +270,8 @@ def core_tables(
         strictly_proper = not any(model.numerator[0].any() for model in controller.targets)
         name = controller.structure.name  # anything, and written into C
         name = name if re.fullmatch(r"[\w +-]{1,40}", name, re.ASCII) else "a table of taps"
-        subject = f"adaptive, {name} of order {controller.structure.n_c}"
+        kind = "frozen from step 0" if (0, None) in controller.freeze else "adaptive"
+        subject = f"{kind}, {name} of order {controller.structure.n_c}"
     else:
         l_z, strictly_proper = 1, True
         measures_first = bool(controller.compensator.past_y[0].any())

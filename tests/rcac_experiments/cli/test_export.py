@@ -60,3 +60,67 @@ def test_an_fmu_from_a_shell(tmp_path):
 def test_an_experiment_is_no_controller(tmp_path):
     with pytest.raises(InputError, match="cannot be exported"):
         rn.export_controller(load_example("4.7"), tmp_path)
+
+
+DESIGNED = """
+[plant]
+problem = "standard"
+G = "1/(q - 0.5)"
+
+[target]
+model = "fir"
+
+[controller]
+n_c = 1
+R_theta = 0.1
+
+[signals]
+w = { step = 1.0 }
+
+[run]
+steps = 30
+
+[[runs]]
+name = "fixed"
+controller = { freeze = [[0]] }
+
+[[runs]]
+name = "RCAC"
+"""
+
+
+def exported(*arguments):
+    return CliRunner().invoke(main, ["export", *map(str, arguments)])
+
+
+@pytest.mark.parametrize(
+    ("options", "words", "names_the_first"),
+    [
+        ((), "run 'fixed', the fixed controller theta(0): adaptation is frozen", False),
+        (("--fixed",), "run 'fixed', its final controller, fixed.", False),
+        (("--run", "RCAC"), "run 'RCAC', adaptive. The first run of", True),
+    ],
+)
+def test_the_first_line_says_which_controller_was_exported(
+    tmp_path, options, words, names_the_first
+):
+    case = tmp_path / "case.toml"
+    case.write_text(DESIGNED)
+    result = exported(case, "-o", tmp_path / "out", *options)
+    assert result.exit_code == 0, result.output
+    text = " ".join(result.output.split())
+    assert f"Exported: {words}" in text
+    assert ("the verdict in the file of a design, is 'fixed'" in text) == names_the_first
+
+
+def test_a_folder_of_other_files_is_refused(tmp_path):
+    case, folder = tmp_path / "case.toml", tmp_path / "board"
+    case.write_text(DESIGNED)
+    folder.mkdir()
+    assert exported(case, "-o", folder).exit_code == 0  # an empty one
+    assert exported(case, "-o", folder, "--run", "RCAC").exit_code == 0  # an export
+    (folder / "README.md").write_text("My board")
+    before = (folder / "src" / "rcac_config.h").read_bytes()
+    refused = exported(case, "-o", folder)
+    assert refused.exit_code == 2 and "did not write" in refused.output
+    assert (folder / "src" / "rcac_config.h").read_bytes() == before
