@@ -34,7 +34,7 @@ def step(
     """Identify gain, time constants and dead time in seconds from a step test in a log FILE.
 
     The record must begin before the first step; several steps are better than one. Intervals are
-    of 95 %. The last line is the rcac design command for the plant. The status is 1 if the record
+    of 95 %. The last lines are the rcac design command for the plant. The status is 1 if the record
     does not determine the plant. rcac log FILE shows which columns are u and y; --names chooses.
     """
     log = read_log(
@@ -44,6 +44,10 @@ def step(
     result = identify_step_response(log)
     show(
         step_response_sheet(result), as_json, picture, result.plot,
-        lambda: [f"Next: {design_command(result)}"],
+        lambda: [
+            f"Next: {design_command(result)}",
+            "Replace SIZE by the disturbance in units of u, or unknown; LOW,HIGH by the limits of "
+            "u from the operating point, or none.",
+        ],
     )  # fmt: skip
     return DONE

@@ -44,7 +44,7 @@ def step_response_sheet(step: StepResponse) -> Sheet:
 
 
 def design_command(step: StepResponse) -> str:
-    """The command that designs a controller for the plant."""
+    """The command that designs a controller; what no step test shows stands as a placeholder."""
     uncertain = uncertainty_of_step(step, step.control_period)
     low, high = uncertain.gain
     words = (
@@ -58,7 +58,8 @@ def design_command(step: StepResponse) -> str:
         words += f" --uncertain-delay {uncertain.delay}"
     if uncertain.time != usual.time:
         words += f" --uncertain-time {uncertain.time:.3g}"
-    return words
+    # Without these the command asks, and refuses where no terminal can answer.
+    return f"{words} --disturbance SIZE --u-limits LOW,HIGH"
 
 
 def _with_dead_time(step: StepResponse) -> str:

@@ -1,6 +1,7 @@
 """The command `rcac step`: a spreadsheet of a step test, and its refusals."""
 
 import json
+import shlex
 
 import numpy as np
 import pytest
@@ -45,6 +46,9 @@ def test_a_spreadsheet_to_the_command_of_a_design(tmp_path):
     assert low - 2 < 10 < high + 2
     command = next(line for line in result.output.splitlines() if line.startswith("Next: "))
     assert record["plant"] in command and f"--dead-time {record['dead_time']:.4g}" in command
+    line = command.replace("Next: rcac ", "").replace("SIZE", "20").replace("LOW,HIGH", "-40,40")
+    design = rcac(*shlex.split(line), "--seeds", 1)
+    assert "missing" not in design.output and design.exit_code in (0, 1), design.output
 
 
 def test_a_record_after_its_step_and_a_column_that_is_not_there(tmp_path):
