@@ -314,3 +314,23 @@ def test_a_compensator_goes_before_theta_and_theta_before_polynomials():
 def test_a_log_without_a_controller_is_refused(more, words):
     with pytest.raises(InputError, match=words):
         fixed_compensator(rn.ControllerLog(u=np.ones(9), y=np.ones(9), **more), None, None)
+
+
+def test_the_plant_is_compared_with_the_signal_of_the_convention():
+    """The log has the plant's output and r; the controller reads r - y, which is the plant's y."""
+    plant = rn.servo_plant("0.68/(q - 0.82)")
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2), target=rn.fir_target(plant), update=rn.UD(1e-3)
+    )
+    run = rn.simulate(plant, settings, np.outer(np.arange(300) // 50 % 2, [1.0, 0, 0]))
+    r = run.w[:, :1]
+    options = {"r": r, "theta": run.theta, "structure": rn.iir(2), "plant": plant}
+    check = rn.check_controller(run.u, r - run.y, **options)
+    assert str(check.conventions.matches[0].convention) == "r - y for y"
+    assert check.plant_residual.rms <= 1e-12 and not check.plant_residual.is_doubtful
+    named = rn.check_controller(run.u, r - run.y, **options, convention="r - y for y")
+    assert named.plant_residual.rms == check.plant_residual.rms and named.is_consistent
+    wrong = rn.check_controller(
+        run.u, run.y, **{**options, "plant": rn.servo_plant("0.55/(q - 0.82)")}
+    )
+    assert wrong.is_consistent and wrong.plant_residual.is_contradicted
