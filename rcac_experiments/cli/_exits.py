@@ -58,7 +58,8 @@ AT_THE_SHELL = {
     ),
     ("read_log", "columns"): "Name them with --columns t,u,y",
     ("read_log", "resample"): "resample it with --resample {value}",
-    ("read_log", "time"): "take the rows as steps of equal distance with --time none",
+    ("read_log", "time"): "take the rows as steps of equal distance with --time none "
+    "and --sample-time",
     ("check_controller", ""): "rcac check LOG --plant FILE",
     ("Decentralized", "shared_u"): "Write shared_u = true in [[controllers]]",
     ("ClosedLoop.poles", ""): "The poles are in the report",

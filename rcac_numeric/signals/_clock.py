@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from datetime import datetime, timedelta
+from functools import cache
 from typing import Any
 
 import attrs
@@ -14,6 +15,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._rounding import rounding_of
 from rcac_numeric.arrays._validation import array_like
 from rcac_numeric.arrays._values import Result
+from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.signals._text_tables import MISSING
 
 SECONDS = {
@@ -36,10 +38,11 @@ FEW_GAPS = 5  # may be evenly spread by accident
 LONGEST_PAUSE = 10  # times the rows of the log
 DATES = (
     "%d.%m.%Y", "%m/%d/%Y", "%d/%m/%Y", "%Y/%m/%d", "%d-%m-%Y", "%d.%m.%y", "%m/%d/%y", "%d/%m/%y",
-    "%d-%b-%Y", "%b %d %Y", "%d %b %Y",
+    "%d-%b-%Y", "%b %d %Y", "%d %b %Y", "%d-%b-%y", "%d %b %y", "%d/%b/%Y",
 )  # fmt: skip
 HOURS = ("%H:%M:%S", "%H:%M:%S.%f", "%H:%M:%S,%f", "%H:%M:%S:%f", "%H:%M", "%I:%M:%S %p",
          "%I:%M:%S.%f %p", "%I:%M %p")  # fmt: skip
+SAMPLED = 5  # texts of a column whose forms are tried
 DURATION = re.compile(
     r"(?:(?P<days>-?\d+) days? ?,? ?)?(?:(?P<h>\d+):)?(?P<m>\d+):(?P<s>\d+(?:[.,]\d+)?)"
 )
@@ -206,6 +209,23 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
     )  # fmt: skip
 
 
+def unread_clock(column: str, texts: Sequence[str], lines: Sequence[int] = ()) -> Clock:
+    """The clock of texts that are not all times: it states the first entry that is none."""
+    rows, unread = len(texts), unread_stamps(texts)
+    count, first = int(unread.sum()), int(np.argmax(unread))
+    words = "stamps is no time:" if count == 1 else "stamps are no times, the first"
+    return Clock(
+        column, None, rows, rows, unit="time stamps", times=np.full(rows, np.nan),
+        problem=f"column {column}: {count} of {rows} {words} {shortened(texts[first], 60)!r} in "
+        f"{place_of(first, lines)}",
+    )  # fmt: skip
+
+
+def place_of(row: int, lines: Sequence[int] = ()) -> str:
+    """The words for a row from 0, with its line in a file."""
+    return f"row {row + 1}" + (f" (line {lines[row]})" if row < len(lines) else "")
+
+
 def _is_evenly_spread(counts: Array) -> bool:
     """Whether the long distances between rows are those that rounded stamps of even rows have.
 
@@ -315,6 +335,25 @@ def seconds_of_texts(texts: Sequence[str]) -> Array | None:
     return np.asarray((best - best[np.isfinite(best)][0]) / 1e6)
 
 
+def unread_stamps(texts: Sequence[str]) -> Array:
+    """Whether each text is no time in the form that reads most of them; a number may be one."""
+    every = max(len(texts) // SAMPLED, 1)
+    readers = {_number}.union(*(_readers(text) for text in texts[::every]))
+    masks = [[not _is_read(read, text) for text in texts] for read in readers]
+    return np.asarray(min(masks, key=sum), dtype=bool)
+
+
+def _is_read(read: Callable[[str], float], text: str) -> bool:
+    try:
+        return text.lower() in MISSING or bool(np.isfinite(read(text)))
+    except (ValueError, OverflowError):
+        return False
+
+
+def _number(text: str) -> float:
+    return float(text.replace(",", "."))
+
+
 def _readers(first: str) -> list[Callable[[str], float]]:
     """The readers of a text that begins as this one does."""
     readers: list[Callable[[str], float]] = []
@@ -353,6 +392,7 @@ def _iso(text: str) -> float:
     return (stamp.replace(tzinfo=None) - EPOCH - offset) / timedelta(microseconds=1)
 
 
+@cache
 def _by_form(form: str) -> Callable[[str], float]:
     def read(text: str) -> float:
         return (datetime.strptime(text, form) - EPOCH) / timedelta(microseconds=1)

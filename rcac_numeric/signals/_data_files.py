@@ -103,11 +103,14 @@ def _of_text(file: Path, text: TextSource, names: Sequence[str]) -> LogContents:
 
 def _of_text_column(part: TextColumn) -> LogColumn:
     if not part.problem:
-        return LogColumn(part.name, part.numbers, unit=part.unit, stored="printed")
+        return LogColumn(
+            part.name, part.numbers, unit=part.unit, stored="printed", lines=part.lines
+        )  # fmt: skip
     texts = tuple(part.texts[:MOST_STAMPS])
     return LogColumn(
-        part.name, None, unit=part.unit, stored="text", problem=part.problem, texts=texts
-    )
+        part.name, None, unit=part.unit, stored="text", problem=part.problem, texts=texts,
+        lines=part.lines,
+    )  # fmt: skip
 
 
 def _dialect_in_words(file: Path, dialect: Dialect) -> str:

@@ -26,6 +26,8 @@ from rcac_numeric.signals._clock import (
     is_time,
     over_midnight,
     seconds_of_texts,
+    unread_clock,
+    unread_stamps,
 )
 from rcac_numeric.signals._text_tables import split_unit
 
@@ -64,6 +66,7 @@ class LogColumn(Result):
     topic: str = attrs.field(default="", kw_only=True)
     problem: str = attrs.field(default="", kw_only=True)
     texts: tuple[str, ...] = attrs.field(default=(), kw_only=True, repr=False)
+    lines: Sequence[int] = attrs.field(default=(), kw_only=True, repr=False)
 
     @property
     def full_name(self) -> str:
@@ -247,12 +250,18 @@ def with_clocks(
         clocks[topic] = None
         if time == "none":
             continue
-        chosen = _time_column(columns, time if len(contents.topics) == 1 else None)
-        if chosen is None:
-            clocks[topic] = _constant(columns)
-            continue
-        times, unit = _times(chosen, columns, sample_time)
-        if times is None:
+        unread = None
+        for chosen in _time_columns(columns, time if len(contents.topics) == 1 else None):
+            if unread is not None and is_counter(chosen.name, chosen.unit):
+                continue
+            times, unit = _times(chosen, columns, sample_time)
+            if times is not None:
+                break
+            unread = _unread(columns, unit) if unread is None else unread
+        else:
+            constant = _constant(columns)
+            clocks[topic] = unread if constant is None else constant
+            stamps += [] if unread is None else [unread.column]
             continue
         counts = unit != "time stamps" and is_counter(chosen.name, chosen.unit)
         counts &= bool((times % 1 == 0).all())
@@ -266,10 +275,10 @@ def with_clocks(
     return attrs.evolve(contents, clocks=clocks)
 
 
-def _time_column(columns: Sequence[LogColumn], time: str | None) -> LogColumn | None:
-    """The column of the times: the named one, then stamps, then seconds, then counts."""
+def _time_columns(columns: Sequence[LogColumn], time: str | None) -> list[LogColumn]:
+    """The columns that may be the times: the named one, or stamps, then seconds, then counts."""
     if time is not None:
-        return next((c for c in columns if time in (c.name, c.full_name)), None)
+        return [c for c in columns if time in (c.name, c.full_name)][:1]
     long = [c for c in columns if _is_vector(c)]
     tests = (
         lambda c: c.stored == "time stamps",
@@ -277,7 +286,14 @@ def _time_column(columns: Sequence[LogColumn], time: str | None) -> LogColumn | 
         lambda c: c.values is None and seconds_of_texts(c.texts[:2]) is not None,
         lambda c: is_counter(c.name, c.unit) and _rises(c),
     )
-    return next((c for test in tests for c in long if test(c)), None)
+    return [c for test in tests for c in long if test(c)]
+
+
+def _unread(columns: Sequence[LogColumn], name: str) -> Clock | None:
+    """The refused clock of a column of texts; None if its name and its texts are no clock's."""
+    column = next(c for c in columns if c.full_name == name)
+    is_clock = is_time(column.name, column.unit) or np.mean(unread_stamps(column.texts)) < 0.5
+    return unread_clock(column.full_name, column.texts, column.lines) if is_clock else None
 
 
 def _is_vector(column: LogColumn) -> bool:
@@ -295,7 +311,7 @@ def _rises(column: LogColumn) -> bool:
 def _may_be_time(column: LogColumn) -> bool:
     """Whether numbers rise but for a few rows; a temperature T or a thickness t does not."""
     if column.values is None:
-        return seconds_of_texts(column.texts[:1]) is not None
+        return column.name != "T"
     d = np.diff(column.values.ravel())
     return bool(np.mean(d < 0) < MOST_TURNS and (d > 0).any()) and (
         column.name != "T" or _rises(column)
@@ -316,7 +332,7 @@ def _constant(columns: Sequence[LogColumn]) -> Clock | None:
 def _times(
     chosen: LogColumn, columns: Sequence[LogColumn], sample_time: float | None
 ) -> tuple[Array | None, str]:
-    """The times of a column in seconds, and the words for their unit."""
+    """The times of a column in seconds and their unit; or None and the name of its texts."""
     if chosen.values is not None:
         values = chosen.values.ravel()
         if chosen.stored == "time stamps":
@@ -324,7 +340,7 @@ def _times(
         return in_seconds(values, chosen.name, chosen.unit, sample_time)
     times = seconds_of_texts(chosen.texts)
     if times is None:
-        return None, ""
+        return None, chosen.full_name
     if len(chosen.texts[0]) > len("00:00:00.000000 PM"):
         return times, "time stamps"
     # A date and a time of day may stand in two columns.
@@ -333,6 +349,8 @@ def _times(
         is_pair = bool(other.texts) and (":" in other.texts[0]) == is_date
         if other is not chosen and is_pair and other.name.lower() in TIMES:
             more = seconds_of_texts(other.texts)
-            if more is not None and len(more) == len(times):
+            if more is None:
+                return None, other.full_name
+            if len(more) == len(times):
                 return times + more, "time stamps"
     return times if is_date else over_midnight(times), "time stamps"

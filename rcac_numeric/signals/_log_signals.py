@@ -287,7 +287,7 @@ def _base(signals: LogSignals, clocks: Mapping[str, Clock | None]) -> str:
 
 
 def _require_regular(source: str, clock: Clock) -> None:
-    """Raise for stamps that turn, are repeated, or are irregular."""
+    """Raise for stamps that turn, are repeated, irregular, or no times."""
     if clock.is_regular:
         return
     d = np.diff(clock.times)
@@ -298,11 +298,13 @@ def _require_regular(source: str, clock: Clock) -> None:
                 "Resample it with resample={resample}, in seconds"), "; or "]
         if irregular and np.isfinite(clock.times).all() else
         ["Cut the log there; or "]
+        if np.isfinite(clock.times).all() else
+        ["Mend it; or "]
     )  # fmt: skip
     raise InputError(
         f"{source}: {clock.problem}. ", *step,
         Advice("read_log", (("time", "none"),),
-               'take the rows as steps of equal distance with time="none"'), ".",
+               'take the rows as steps of equal distance with time="none" and sample_time'), ".",
     )  # fmt: skip
 
 

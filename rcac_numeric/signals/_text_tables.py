@@ -7,6 +7,7 @@ import gzip
 import io
 import re
 import zlib
+from array import array
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -28,7 +29,7 @@ COMMENTS = ("#", "%")
 HEAD_LINES = 200  # searched for names, units and the first row of numbers
 LONGEST_HEAD = 2**22  # characters of these lines
 ROWS_AT_ONCE = 50_000
-MISSING = frozenset({"", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "?", "<na>"})
+MISSING = frozenset({"", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "?", "<na>", "nat"})
 GROUPED = {
     ",": re.compile(r"[+-]?\d{1,3}(\.\d{3})+,\d+"), ".": re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d+")
 }  # fmt: skip
@@ -53,6 +54,7 @@ class TextColumn:
     numbers: Array = field(default_factory=lambda: np.zeros(0))
     texts: list[str] = field(default_factory=list)
     problem: str = ""
+    lines: Sequence[int] = ()  # of the rows, where they are known
 
 
 @dataclass(frozen=True)
@@ -345,7 +347,10 @@ def _columns(file: TextSource, dialect: Dialect, notes: list[str] | None) -> lis
     """Return the columns, without names."""
     table = _table(file, dialect)
     if table is not None and table.shape[1] == dialect.width:
-        return [TextColumn("", numbers=column) for column in table.T]
+        rows, first = len(table), dialect.start + 1
+        is_whole = sum(1 for _ in _lines(file, dialect.encoding)) == dialect.start + rows
+        lines = range(first, first + rows) if is_whole else ()
+        return [TextColumn("", numbers=column, lines=lines) for column in table.T]
     return _checked_columns(file, dialect, notes)
 
 
@@ -385,15 +390,19 @@ def _checked_columns(
     columns = [TextColumn("") for _ in range(dialect.width)]
     pieces: list[list[Array]] = [[] for _ in columns]
     lines: list[int] = []
+    every_line = array("q")
     rows: list[list[str]] = []
     for line, row in _rows(file, dialect, [] if notes is None else notes):
         lines.append(line)
         rows.append(row)
         if len(rows) == ROWS_AT_ONCE:
             _convert(file, dialect, columns, pieces, lines, rows)
+            every_line.extend(lines)
             lines, rows = [], []
     _convert(file, dialect, columns, pieces, lines, rows)
+    every_line.extend(lines)
     for column, parts in zip(columns, pieces, strict=True):
+        column.lines = every_line
         if not column.problem:
             column.numbers, column.texts = np.concatenate([np.zeros(0), *parts]), []
     return columns

@@ -1,6 +1,9 @@
 """The clock of a log: the sample time, gaps, jitter, and stamps that give none."""
 
+import re
+
 import numpy as np
+import pandas
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -120,6 +123,53 @@ def test_a_sample_time_that_the_stamps_contradict(seconds):
     with pytest.raises(InputError, match="sample_time"):
         read_log(table, sample_time=seconds)
     assert read_log(table, sample_time=seconds, time="none").sample_time == seconds
+
+
+STAMPS = np.datetime64("2025-03-04T14:03:20") + np.arange(60).astype("timedelta64[s]")
+FORMS = ("%d-%b-%y %H:%M:%S", "%d %b %y %H:%M:%S", "%d/%b/%Y %H:%M:%S", "%Y-%m-%d %H:%M:%S")
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_stamps_with_the_name_of_a_month(form):
+    texts = [stamp.strftime(form) for stamp in STAMPS.tolist()]
+    frame = pandas.DataFrame({"Time": texts, "u": np.arange(60.0), "y": np.ones(60)})
+    assert inspect_log(frame).clock.sample_time == 1.0
+
+
+def numbered(k):
+    return f"{0.5 * k}"
+
+
+@pytest.mark.parametrize("name", ["Time", "DateTime", "t", "Zeit"])
+@pytest.mark.parametrize("stamp", [str, numbered])
+@pytest.mark.parametrize("kind", ["csv", "frame"])
+@pytest.mark.parametrize("at", [0, 29, 59])
+def test_a_stamp_that_is_no_time_is_named(tmp_path, name, stamp, kind, at):
+    """One bad stamp must not turn the seconds of a log into steps, not even beside a counter."""
+    texts = [stamp(one) for one in (STAMPS if stamp is str else range(60))]
+    texts[at] = "<bad>"
+    frame = pandas.DataFrame({"index": np.arange(60), name: texts, "u": 1.0, "y": np.arange(60.0)})
+    log, place = frame, f"in row {at + 1}"
+    if kind == "csv":
+        log, place = tmp_path / "log.csv", f"in row {at + 1} (line {at + 4})"
+        log.write_text("# site 4\n\n" + frame.to_csv(index=False))
+    words = re.escape(f"column {name}: 1 of 60 stamps is no time: '<bad>' {place}. Mend it")
+    for time in (None, name):
+        assert re.search(words[:-8], inspect_log(log, time=time).unread)
+        with pytest.raises(InputError, match=words):
+            read_log(log, time=time)
+        with pytest.raises(InputError, match=words):
+            read_log(log, time=time, resample=0.5)
+    assert read_log(log, time="none", sample_time=2.0).sample_time == 2.0
+
+
+def test_texts_beside_another_clock_are_no_clock():
+    frame = pandas.DataFrame({"Date": ["today"] * 60, "t": 0.5 * np.arange(60), "u": 1.0, "y": 2.0})
+    assert read_log(frame).sample_time == 0.5
+    with pytest.raises(InputError, match=r"60 of 60 stamps are no times, the first 'today'"):
+        read_log(frame, time="Date")
+    frame = pandas.DataFrame({"batch": ["12:30", "12:31", *["AB-7"] * 58], "u": 1.0, "y": 2.0})
+    assert read_log(frame).clock == "index counts 60 steps"
 
 
 def test_topics_of_two_rates(tmp_path):
