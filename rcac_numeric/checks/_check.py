@@ -55,6 +55,7 @@ from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.plants._schedules import plant_at
+from rcac_numeric.signals._log_signals import require_sample_time
 from rcac_numeric.targets._model import TargetModel
 
 # Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
@@ -366,6 +367,7 @@ def check_controller(
     if target is not None:
         instance_of(target, "target", TargetModel)
     log = log.longest_part()
+    require_sample_time(log.source, log.sample_time, sample_time)
     sample_time = log.sample_time if sample_time is None else sample_time
     agreed_times([plant, compensator], sample_time)
     if k_w is not None:

@@ -58,6 +58,7 @@ from rcac_numeric.identification._process_matrix import (
     matrix_search,
     process_matrix,
 )
+from rcac_numeric.signals._log_signals import require_sample_time
 
 TRIED = 4  # combinations of credible models for which a controller is designed
 DRAWS = 40  # models drawn from the covariance
@@ -441,6 +442,8 @@ def search_of_logs(
 ) -> LogSearch | MatrixLogSearch:
     """The models of a log, or of several; all of a scalar one without gaps, unstable ones too."""
     logs = [plant] if isinstance(plant, ControllerLog) else list(plant)
+    for log in logs:
+        require_sample_time(log.source, log.sample_time, sample_time)
     if sample_time is None:
         sample_time = next((log.sample_time for log in logs if log.sample_time), None)
     is_scalar = len(logs) == 1 and logs[0].u.shape[1] == logs[0].y.shape[1] == 1

@@ -39,6 +39,7 @@ from rcac_numeric.identification._step_models import (
     errors_of,
     lag_poles,
 )
+from rcac_numeric.signals._log_signals import require_sample_time
 
 Kind = Literal[
     "first order", "second order", "oscillating", "integrating", "integrating with a lag"
@@ -325,6 +326,7 @@ def _signals(
                        "Fill them by interpolation with resample={resample}"),
                 "; or cut the log to a part without gaps (log.longest_part()).",
             )  # fmt: skip
+        require_sample_time(source, u.sample_time, sample_time)
         if sample_time is None:
             sample_time = u.sample_time
     period = None if sample_time is None else number(sample_time, "sample_time")

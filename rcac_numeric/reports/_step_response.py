@@ -19,7 +19,9 @@ def step_response_sheet(step: StepResponse) -> Sheet:
         Fact("Evidence", _evidence(step)),
         Fact(
             "Next step",
-            f"design(step), or rcac design; control period {step.control_period:.4g} {step.unit}",
+            f"design(step), or rcac design; control period {step.control_period:.4g} {step.unit}"
+            if step.sample_time
+            else "give sample_time: without a clock times are in steps",
         ),
     )
     record: dict[str, Any] = {
@@ -45,6 +47,8 @@ def step_response_sheet(step: StepResponse) -> Sheet:
 
 def design_command(step: StepResponse) -> str:
     """The command that designs a controller; what no step test shows stands as a placeholder."""
+    if not step.sample_time:
+        return "the same command with --sample-time SECONDS; rcac design needs seconds"
     uncertain = uncertainty_of_step(step, step.control_period)
     low, high = uncertain.gain
     words = (

@@ -134,7 +134,9 @@ def signals_of(
     _orient(signals, transpose)
     clocks = {topic: _clock(contents, topic) for topic in set(signals.topics.values())}
     if resample is not None:
-        return _resampled(contents, signals, clocks, number(resample, "resample"))
+        period = number(resample, "resample")
+        require_sample_time(contents.source, period, sample_time, " by resample")
+        return _resampled(contents, signals, clocks, period)
     base = _base(signals, clocks)
     clock = signals.clock = clocks[base]
     rows = len(next(v for role, v in signals.arrays.items() if signals.topics[role] == base))
@@ -145,7 +147,11 @@ def signals_of(
         clock = signals.clock = None
     if clock is not None:
         _require_regular(contents.source, clock)
-        _require_sample_time(contents.source, clock, sample_time)
+        by = f" by its column {clock.column} [{clock.unit}]"
+        ignored = Advice("read_log", (("time", "none"),), 'ignore the stamps with time="none"')
+        require_sample_time(
+            contents.source, clock.sample_time, sample_time, by, ("; or ", ignored)
+        )  # fmt: skip
     others = {role for role, topic in signals.topics.items() if topic != base}
     for role in others:
         _hold(contents.source, signals, role, clock, clocks[signals.topics[role]], rows)
@@ -292,31 +298,34 @@ def _require_regular(source: str, clock: Clock) -> None:
         return
     d = np.diff(clock.times)
     usual = float(np.median(d[d > 0])) if (d > 0).any() else 1.0
-    irregular = not (clock.turning or clock.repeated) and len(clock.times) > 2
-    step = (
-        [Advice("read_log", (("resample", f"{usual:.3g}"),),
-                "Resample it with resample={resample}, in seconds"), "; or "]
-        if irregular and np.isfinite(clock.times).all() else
-        ["Cut the log there; or "]
-        if np.isfinite(clock.times).all() else
-        ["Mend it; or "]
-    )  # fmt: skip
-    raise InputError(
-        f"{source}: {clock.problem}. ", *step,
-        Advice("read_log", (("time", "none"),),
-               'take the rows as steps of equal distance with time="none" and sample_time'), ".",
-    )  # fmt: skip
+    resampled = Advice("read_log", (("resample", f"{usual:.3g}"),),
+                       "Resample it with resample={resample}, in seconds")  # fmt: skip
+    counted = Advice(
+        "read_log",
+        (("time", "none"),),
+        'take the rows as steps of equal distance with time="none" and sample_time',
+    )
+    remedies: tuple[str | Advice, ...] = ("Cut the log there; or ", counted)
+    if not np.isfinite(clock.times).all():
+        remedies = ("Mend it; or ", counted)
+    elif clock.repeated:
+        remedies = (resampled, "; or cut the log there")
+    elif not clock.turning and len(clock.times) > 2:
+        remedies = (resampled, "; or ", counted)
+    raise InputError(f"{source}: {clock.problem}. ", *remedies, ".")
 
 
-def _require_sample_time(source: str, clock: Clock, sample_time: float | None) -> None:
-    """Raise if a given sample time contradicts the stamps."""
-    if sample_time is None or clock.sample_time is None:
+def require_sample_time(
+    source: str, period: float | None, sample_time: float | None, by: str = "",
+    remedy: Sequence[str | Advice] = (),
+) -> None:  # fmt: skip
+    """Raise if a requested sample time contradicts the one of a log."""
+    if sample_time is None or period is None or not period > 0:
         return
-    if abs(sample_time / clock.sample_time - 1) > SAME_TIME:
+    if abs(number(sample_time, "sample_time") / period - 1) > SAME_TIME:
         raise InputError(
-            f"{source} is sampled every {clock.sample_time:.6g} s by its column {clock.column} "
-            f"[{clock.unit}], and sample_time = {sample_time:g}. Leave sample_time out; or ",
-            Advice("read_log", (("time", "none"),), 'ignore the stamps with time="none"'), ".",
+            f"{source} is sampled every {period:.6g} s{by}, and sample_time = {sample_time:g}. "
+            "Leave sample_time out", *remedy, ".",
         )  # fmt: skip
 
 

@@ -111,6 +111,35 @@ def test_a_check_has_the_time_of_the_log(tmp_path):
     assert result.exit_code == 2 and "is sampled every 0.02 s" in result.output
 
 
+@pytest.fixture(scope="module")
+def step_test(tmp_path_factory):
+    """A heater of 35 s, with a row every second."""
+    t, rng = np.arange(444), np.random.default_rng(0)
+    y = 21 + 8 * (1 - np.exp(-np.maximum(t - 88, 0) / 35)) + 0.05 * rng.standard_normal(444)
+    path = tmp_path_factory.mktemp("step") / "heater.csv"
+    rows = [f"{k},{40 + 10 * (k >= 80)},{y[k]:.4f}" for k in t]
+    path.write_text("\n".join(["t,u,y", *rows]))
+    return path
+
+
+@pytest.mark.parametrize("command", [("step",), ("design", "--assume")])
+@pytest.mark.parametrize("clock", [(), ("--resample", "1")])
+def test_no_command_takes_another_sample_time_than_that_of_the_log(step_test, command, clock):
+    result = rcac(command[0], step_test, *command[1:], *clock, "--sample-time", 2)
+    assert result.exit_code == 2, result.output
+    assert "is sampled every 1 s by " in result.output
+    assert "sample_time = 2. Leave sample_time out" in result.output
+
+
+def test_steps_are_no_seconds(step_test):
+    result = rcac("step", step_test, "--time", "none")
+    assert result.exit_code == 0 and " steps" in result.output
+    assert 'rcac design "' not in result.output
+    assert "Next: the same command with --sample-time SECONDS" in result.output
+    result = rcac("step", step_test, "--time", "none", "--sample-time", 1)  # 2 s for the controller
+    assert 'Next: rcac design "' in result.output and "--sample-time 2 " in result.output
+
+
 def test_a_log_that_is_read_and_cannot_be_used_has_the_status_of_one(tmp_path):
     path = tmp_path / "overflow.csv"
     path.write_text("u,y\n" + "1e999,2\n" + "1,2\n" * 40)
