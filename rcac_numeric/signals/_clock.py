@@ -38,6 +38,7 @@ FEW_GAPS = 5  # may be evenly spread by accident
 LONGEST_PAUSE = 10  # times the rows of the log
 DATES = (
     "%d.%m.%Y", "%m/%d/%Y", "%d/%m/%Y", "%Y/%m/%d", "%d-%m-%Y", "%d.%m.%y", "%m/%d/%y", "%d/%m/%y",
+RARE = 0.2  # of the rows: fewer may repeat a stamp since they stand twice
     "%d-%b-%Y", "%b %d %Y", "%d %b %Y", "%d-%b-%y", "%d %b %y", "%d/%b/%Y",
 )  # fmt: skip
 HOURS = ("%H:%M:%S", "%H:%M:%S.%f", "%H:%M:%S,%f", "%H:%M:%S:%f", "%H:%M", "%I:%M:%S %p",
@@ -125,11 +126,16 @@ class Clock(Result):
         return words
 
 
-def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = False) -> Clock:
+def clock_of(
+    times: Array, column: str, *, unit: str = "s", is_counter: bool = False,
+    lines: Sequence[int] = (),
+) -> Clock:  # fmt: skip
     """Find the sample time and the step of every row; times in seconds, or counts.
 
     The sample time is the slope of the stamps over the steps, which are the rounded multiples of
     the usual time between two rows.
+
+    `lines` are those of the rows in a file, for the words of a problem.
 
     Examples
     --------
@@ -148,14 +154,14 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
         return refused(f"{column} has {rows} stamps, which give no sample time")
     if not np.isfinite(times).all():
         first = int(np.argmin(np.isfinite(times)))
-        return refused(f"{column} has no stamp in row {first + 1}")
+        return refused(f"{column} has no stamp in {place_of(first, lines)}")
     d = np.diff(times)
     turning = int(np.count_nonzero(d < 0))
     if turning:
         first = int(np.argmax(d < 0))
         return refused(
-            f"{column} turns back from {times[first]:.9g} to {times[first + 1]:.9g} in row "
-            f"{first + 2}; rows that turn back: {turning}", turning=turning
+            f"{column} turns back from {times[first]:.9g} to {times[first + 1]:.9g} in "
+            f"{place_of(first + 1, lines)}; rows that turn back: {turning}", turning=turning
         )  # fmt: skip
     rounding = rounding_of(times - times[0])
     fraction = 10.0**-rounding.places if rounding.printing == "decimals" else rounding.step
@@ -171,8 +177,9 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
     if repeated and not is_coarse:
         first = int(np.argmax(d == 0))
         return refused(
-            f"{column} has {repeated} rows with the stamp of the row before, the first in row "
-            f"{first + 2}", repeated=repeated
+    is_coarse &= not repeated or (even < 1.5 * fraction and _is_rounded(d))
+            f"{column} has {repeated} rows with the stamp of the row before, the first in "
+            f"{place_of(first + 1, lines)}", repeated=repeated
         )  # fmt: skip
     if is_coarse or (multiples is None and np.quantile(away, 1 - STRAY) <= JITTER * even):
         multiples = np.arange(rows)
@@ -191,7 +198,8 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
     if steps[-1] + 1 > LONGEST_PAUSE * rows + 1000:
         at = int(np.argmax(counts))
         return refused(
-            f"{column} pauses for {d[at]:.4g} {'steps' if is_counter else 's'} after row {at + 1}, "
+            f"{column} pauses for {d[at]:.4g} {'steps' if is_counter else 's'} after "
+            f"{place_of(at, lines)}, "
             f"{counts[at]} times the sample time: two logs in one"
         )
     # Neat numbers: 0.004 and not 0.00400000000012, where the stamps cannot tell them apart.
@@ -212,6 +220,18 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
 def unread_clock(column: str, texts: Sequence[str], lines: Sequence[int] = ()) -> Clock:
     """The clock of texts that are not all times: it states the first entry that is none."""
     rows, unread = len(texts), unread_stamps(texts)
+def _is_rounded(d: Array) -> bool:
+    """Whether stamps repeat as rounded ones of even rows do, and not since a row stands twice.
+
+    Those repeat often, or evenly spread, or a longer distance follows: 0, 1, 1, 3 s.
+    """
+    repeated = int(np.count_nonzero(d == 0))
+    if repeated >= RARE * len(d):
+        return True
+    longer = np.rint(d[d > 0] / np.median(d[d > 0])) - 1
+    return repeated > FEW_GAPS and (_is_evenly_spread(d == 0) or 2 * longer.sum() >= repeated)
+
+
     count, first = int(unread.sum()), int(np.argmax(unread))
     words = "stamps is no time:" if count == 1 else "stamps are no times, the first"
     return Clock(

@@ -265,7 +265,9 @@ def with_clocks(
             continue
         counts = unit != "time stamps" and is_counter(chosen.name, chosen.unit)
         counts &= bool((times % 1 == 0).all())
-        clocks[topic] = clock_of(times, chosen.full_name, unit=unit, is_counter=counts)
+        clocks[topic] = clock_of(
+            times, chosen.full_name, unit=unit, is_counter=counts, lines=chosen.lines
+        )  # fmt: skip
         stamps.append(chosen.full_name)
     if time not in (None, "none") and not stamps:
         raise InputError(

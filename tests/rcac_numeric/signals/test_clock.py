@@ -5,13 +5,14 @@ import re
 import numpy as np
 import pandas
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     ControllerLog,
     check_controller,
+    design,
     inspect_log,
     read_log,
     standard_plant,
@@ -126,6 +127,101 @@ def test_a_sample_time_that_the_stamps_contradict(seconds):
 
 
 STAMPS = np.datetime64("2025-03-04T14:03:20") + np.arange(60).astype("timedelta64[s]")
+@given(seeds, PERIODS, st.integers(30, 2000), st.integers(1, 3), st.booleans())
+@example(seed=0, period=1.0, steps=600, copies=1, has_gap=False)
+def test_rows_that_stand_twice_are_refused(seed, period, steps, copies, has_gap):
+    """Every later row would be late by one step."""
+    rng = np.random.default_rng(seed)
+    at = np.sort(rng.choice(np.arange(1, steps - 1), copies, replace=False))
+    times = np.insert(period * np.arange(steps), at, period * at)
+    if has_gap:
+        times = np.delete(times, min(int(at[-1]) + copies + 3, len(times) - 1))
+    clock = clock_of(times, "t")
+    assert clock.repeated >= 1 and f"in row {at[0] + 2}" in clock.problem
+
+
+def clock_of_column(name, times, sample_time=None):
+    """The clock of a column of numbers."""
+    seconds, unit = in_seconds(np.asarray(times, float), name, "", sample_time)
+    return clock_of(seconds, name, unit=unit)
+
+
+@pytest.mark.parametrize("name", ["Time", "t", "Zeit", "local time"])
+@pytest.mark.parametrize("decimals", [5, 6, 9, 11])
+@pytest.mark.parametrize("seconds", [2, 5, 10, 15, 60, 300])
+@pytest.mark.parametrize("begin", [20001.25, 45720.58564, 79000.7])
+def test_days_of_a_spreadsheet(name, decimals, seconds, begin):
+    days = np.round(begin + seconds * np.arange(400) / 86400, decimals)
+    clock = clock_of_column(name, days)
+    assert clock.unit == "days of a spreadsheet, assumed" and clock.missing == 0
+    assert clock.sample_time == pytest.approx(seconds, rel=2e-3)
+
+
+@pytest.mark.parametrize("period", [0.0001, 0.001, 0.002, 0.0025, 0.004, 0.005, 0.008, 0.01, 0.1])
+@pytest.mark.parametrize("drift", [0, 2e-5, -1e-4])
+def test_seconds_since_a_device_was_started_are_no_days(period, drift):
+    times = 45720.5 + period * (1 + drift) * np.arange(400)
+    clock = clock_of_column("t", times)
+    assert clock.unit == "s, assumed" and clock.sample_time == pytest.approx(period, rel=1e-3)
+    assert clock_of_column("elapsed", 45720.58564 + np.arange(400) / 43200).unit == "s, assumed"
+
+
+def test_the_sample_time_decides_between_days_and_seconds():
+    times = 45720.5 + 0.001 * np.arange(400)
+    assert clock_of_column("t", times, 86.4).sample_time == 86.4
+    assert clock_of_column("t", times, 0.001).sample_time == 0.001
+
+
+def test_stamps_of_fourteen_digits():
+    stamps = np.datetime64("2024-02-28T23:59:01") + 7 * np.arange(90_000).astype("timedelta64[s]")
+    digits = [int(re.sub(r"\D", "", str(stamp))) for stamp in stamps]
+    clock = clock_of_column("Time", digits)
+    assert clock.unit == "YYYYMMDDhhmmss" and clock.sample_time == 7.0 and clock.missing == 0
+    for wrong in (20250229120000, 20250304240000, 20250304126000, 20251301120000, 20250300120000):
+        assert clock_of_column("Time", [*digits[:20], wrong]).unit != "YYYYMMDDhhmmss"
+
+
+@given(seeds, st.sampled_from([0.001, 1.0]), st.integers(100, 2000), st.floats(0.05, 0.4))
+def test_stamps_of_one_step_with_jitter_are_rounded(seed, period, steps, jitter):
+    """0, 1, 1, 3 ms of 1 kHz: a row is late, and the next is in time."""
+    rng = np.random.default_rng(seed)
+    times = np.floor(np.arange(steps) + 0.1 + jitter * rng.uniform(-1, 1, steps)) * period
+    assume(np.count_nonzero(np.diff(times) == 0) > 10 and (np.diff(times) >= 0).all())
+    clock = clock_of(times, "t")
+    assert clock.is_regular and clock.missing == 0, clock.problem
+
+
+def test_a_repeated_stamp_in_a_file_has_row_line_and_remedy(tmp_path):
+    u, y = record(600)
+    t = np.insert(np.arange(599.0), 300, 299.0)
+    path = tmp_path / "log.csv"
+    np.savetxt(path, np.c_[t, u, y], delimiter=",", header="t,u,y", comments="", fmt="%.6g")
+    with pytest.raises(InputError, match=r"first in row 301 \(line 302\)\. Resample") as error:
+        read_log(path)
+    assert "none" not in str(error.value)
+    log = read_log(path, resample=1.0)
+    assert log.steps == 599 and np.allclose(log.y[400:, 0], y[401:], rtol=1e-5)
+
+
+def test_every_reader_of_a_log_refuses_another_sample_time():
+    u, y = record(200)
+    log = read_log({"t": np.arange(200.0), "u": u, "y": y})
+    compensator = compensator_of("0.1", "controller")
+    readers = (
+        lambda log, h: design(log, sample_time=h),
+        lambda log, h: design([log, log], sample_time=h),
+        lambda log, h: identify_step_response(log, sample_time=h),
+        lambda log, h: check_controller(log, compensator=compensator, sample_time=h),
+    )
+    for read in readers:
+        with pytest.raises(InputError, match=r"every 1 s, and sample_time = 2\. Leave"):
+            read(log, 2.0)
+    for resample, sample_time in ((0.5, 1.0), (1.0, 0.5)):
+        with pytest.raises(InputError, match=rf"every {resample:g} s by resample, and"):
+            read_log({"t": np.arange(200.0), "u": u, "y": y},
+                     resample=resample, sample_time=sample_time)  # fmt: skip
+
+
 FORMS = ("%d-%b-%y %H:%M:%S", "%d %b %y %H:%M:%S", "%d/%b/%Y %H:%M:%S", "%Y-%m-%d %H:%M:%S")
 
 
