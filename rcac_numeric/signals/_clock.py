@@ -32,13 +32,16 @@ TIMES = (*TIMED, *COUNTED)
 # Numbers of this size are counted from 1970; the unit follows from the size.
 SINCE_1970 = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 SERIAL_DAYS = (20_000.0, 80_000.0)  # of a spreadsheet, from 1954 to 2119
+LONGEST_STEP = 0.01  # days, in a column whose name does not say that it holds dates
+NO_DATES = ("seconds", "elapsed", "elapsed_time", "tout", "timestamp_sample")
+DIGITS = "YYYYMMDDhhmmss"
 JITTER = 0.3  # of a sample time: a stamp further away belongs to no step of the grid
 STRAY = 0.01  # of the rows may
 FEW_GAPS = 5  # may be evenly spread by accident
+RARE = 0.2  # of the rows: fewer may repeat a stamp since they stand twice
 LONGEST_PAUSE = 10  # times the rows of the log
 DATES = (
     "%d.%m.%Y", "%m/%d/%Y", "%d/%m/%Y", "%Y/%m/%d", "%d-%m-%Y", "%d.%m.%y", "%m/%d/%y", "%d/%m/%y",
-RARE = 0.2  # of the rows: fewer may repeat a stamp since they stand twice
     "%d-%b-%Y", "%b %d %Y", "%d %b %Y", "%d-%b-%y", "%d %b %y", "%d/%b/%Y",
 )  # fmt: skip
 HOURS = ("%H:%M:%S", "%H:%M:%S.%f", "%H:%M:%S,%f", "%H:%M:%S:%f", "%H:%M", "%I:%M:%S %p",
@@ -132,10 +135,10 @@ def clock_of(
 ) -> Clock:  # fmt: skip
     """Find the sample time and the step of every row; times in seconds, or counts.
 
+    `lines` are those of the rows in a file, for the words of a problem.
+
     The sample time is the slope of the stamps over the steps, which are the rounded multiples of
     the usual time between two rows.
-
-    `lines` are those of the rows in a file, for the words of a problem.
 
     Examples
     --------
@@ -174,10 +177,10 @@ def clock_of(
     # Stamps of whole seconds, for instance, of which ten rows have the same one.
     is_coarse = fraction > 0 and even > 0 and away.max() <= 1.001 * fraction
     is_coarse &= multiples is None or _is_evenly_spread(np.diff(multiples))
+    is_coarse &= not repeated or (even < 1.5 * fraction and _is_rounded(d))
     if repeated and not is_coarse:
         first = int(np.argmax(d == 0))
         return refused(
-    is_coarse &= not repeated or (even < 1.5 * fraction and _is_rounded(d))
             f"{column} has {repeated} rows with the stamp of the row before, the first in "
             f"{place_of(first + 1, lines)}", repeated=repeated
         )  # fmt: skip
@@ -217,9 +220,6 @@ def clock_of(
     )  # fmt: skip
 
 
-def unread_clock(column: str, texts: Sequence[str], lines: Sequence[int] = ()) -> Clock:
-    """The clock of texts that are not all times: it states the first entry that is none."""
-    rows, unread = len(texts), unread_stamps(texts)
 def _is_rounded(d: Array) -> bool:
     """Whether stamps repeat as rounded ones of even rows do, and not since a row stands twice.
 
@@ -232,6 +232,9 @@ def _is_rounded(d: Array) -> bool:
     return repeated > FEW_GAPS and (_is_evenly_spread(d == 0) or 2 * longer.sum() >= repeated)
 
 
+def unread_clock(column: str, texts: Sequence[str], lines: Sequence[int] = ()) -> Clock:
+    """The clock of texts that are not all times: it states the first entry that is none."""
+    rows, unread = len(texts), unread_stamps(texts)
     count, first = int(unread.sum()), int(np.argmax(unread))
     words = "stamps is no time:" if count == 1 else "stamps are no times, the first"
     return Clock(
@@ -302,9 +305,9 @@ def in_seconds(
 ) -> tuple[Array, str]:
     """Return the times of a column of numbers in seconds, and the words for their unit.
 
-    Where the file does not say the unit it follows from the size of the numbers, from the sample
-    time that was given, or it is seconds; whole numbers of a `timestamp` are microseconds, as PX4
-    and ROS write them.
+    Where the file does not say the unit it follows from the size of the numbers (since 1970, days
+    of a spreadsheet, YYYYMMDDhhmmss), from the sample time, or it is seconds; whole numbers of a
+    `timestamp` are microseconds, as PX4 and ROS write them.
     """
     base, suffix = _name_and_unit(name)
     known = unit.lower() if unit.lower() in SECONDS else suffix
@@ -312,10 +315,18 @@ def in_seconds(
         return values * SECONDS[known], known
     finite = values[np.isfinite(values)]
     size = float(np.abs(finite).min(initial=np.inf))
-    if base in {"date", "datetime", "timestamp"} and SERIAL_DAYS[0] < size < SERIAL_DAYS[1]:
-        d = np.diff(finite)
-        if d.size and 0 < np.median(d) < 1 and np.any(finite % 1):
-            return (values - values[0]) * 86400.0, "days of a spreadsheet"
+    dated = _of_digits(values)
+    if dated is not None:
+        return dated, DIGITS
+    if base in TIMED and SERIAL_DAYS[0] < size < SERIAL_DAYS[1] and np.any(finite % 1):
+        rounding = rounding_of(values)
+        since = values - values[0]
+        if rounding.printing == "decimals":
+            since = np.round(since, rounding.places)
+        if base in {"date", "datetime", "timestamp"} and 0 < np.median(np.diff(finite)) < 1:
+            return since * 86400.0, "days of a spreadsheet"
+        if base not in NO_DATES and _are_days(since, sample_time):
+            return since * 86400.0, "days of a spreadsheet, assumed"
     for least, word in SINCE_1970:
         if least <= size < 100 * least * (10 if word == "s" else 1):
             return (values - values[0]) * SECONDS[word], f"{word} since 1970"
@@ -329,6 +340,46 @@ def in_seconds(
     if base.startswith("timestamp") and whole and typical >= 1:
         return values * 1e-6, "us, assumed"
     return values, "s" if base == "seconds" else "s, assumed"
+
+
+def _are_days(since: Array, sample_time: float | None) -> bool:
+    """Whether steps below 0.01 are neater, or nearer to the sample time, in days than in seconds.
+
+    20 000 to 80 000 may be a date of a spreadsheet, or the seconds since a device was started.
+    """
+    d = np.diff(since)
+    if not d.size or not 0 < np.median(d) < LONGEST_STEP:
+        return False
+    clock = clock_of(since, "")
+    period = float(clock.sample_time or np.median(d))
+    off = [
+        abs(float(f"{step:.1e}") / step - 1) if sample_time is None else
+        abs(np.log(step / sample_time)) for step in (86400.0 * period, period)
+    ]  # fmt: skip
+    return off[0] <= off[1]
+
+
+def _of_digits(values: Array) -> Array | None:
+    """Seconds from the first of the numbers 20250304140320; None unless each one is a time."""
+    is_known = np.isfinite(values)
+    known = values[is_known]
+    if not known.size or not ((known >= 19e12) & (known < 22e12) & (known % 1 == 0)).all():
+        return None
+    parts = []
+    rest = known.astype(np.int64)
+    for size in (100, 100, 100, 100, 100):
+        rest, part = np.divmod(rest, size)
+        parts.append(part)
+    second, minute, hour, day, month = parts
+    months = ((rest - 1970) * 12 + month - 1).astype("datetime64[M]")
+    dates = months.astype("datetime64[D]") + (day - 1)
+    is_time = (second < 60) & (minute < 60) & (hour < 24) & (month >= 1) & (month <= 12)
+    if not (is_time & (day >= 1) & (dates.astype("datetime64[M]") == months)).all():
+        return None
+    stamps = 86400.0 * dates.astype(np.int64) + 3600.0 * hour + 60.0 * minute + second
+    times = np.full(values.shape, np.nan)
+    times[is_known] = stamps - stamps[0]
+    return times
 
 
 def seconds_of_texts(texts: Sequence[str]) -> Array | None:

@@ -18,7 +18,8 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.controllers._compensator import compensator_of
-from rcac_numeric.signals._clock import clock_of
+from rcac_numeric.identification import identify_step_response
+from rcac_numeric.signals._clock import clock_of, in_seconds
 from tests.support.strategies import seeds
 from tests.support.ulogs import ulog
 
@@ -126,7 +127,6 @@ def test_a_sample_time_that_the_stamps_contradict(seconds):
     assert read_log(table, sample_time=seconds, time="none").sample_time == seconds
 
 
-STAMPS = np.datetime64("2025-03-04T14:03:20") + np.arange(60).astype("timedelta64[s]")
 @given(seeds, PERIODS, st.integers(30, 2000), st.integers(1, 3), st.booleans())
 @example(seed=0, period=1.0, steps=600, copies=1, has_gap=False)
 def test_rows_that_stand_twice_are_refused(seed, period, steps, copies, has_gap):
@@ -222,6 +222,7 @@ def test_every_reader_of_a_log_refuses_another_sample_time():
                      resample=resample, sample_time=sample_time)  # fmt: skip
 
 
+STAMPS = np.datetime64("2025-03-04T14:03:20") + np.arange(60).astype("timedelta64[s]")
 FORMS = ("%d-%b-%y %H:%M:%S", "%d %b %y %H:%M:%S", "%d/%b/%Y %H:%M:%S", "%Y-%m-%d %H:%M:%S")
 
 
