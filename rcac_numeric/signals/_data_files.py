@@ -25,12 +25,15 @@ from rcac_numeric.signals._log_contents import MOST_STAMPS, LogColumn, LogConten
 from rcac_numeric.signals._mat_files import MatObject, read_mat
 from rcac_numeric.signals._text_tables import (
     BLANKS,
+    MISSING,
     Dialect,
     TextColumn,
     TextSource,
     read_text_columns,
+    refused_entry,
     require_names,
     split_unit,
+    table_number,
     unpacked,
     without_head,
 )
@@ -210,6 +213,8 @@ def _of_frame(frame: Any) -> LogContents:
     """The index and the columns of a DataFrame of pandas."""
     if not hasattr(frame, "index") or not hasattr(frame, "iloc"):
         raise InputError("the log has columns and no index; give a DataFrame of pandas.")
+    if not len(frame):
+        raise InputError("the DataFrame has no row.")
     index = frame.index
     columns = []
     name = str(index.name) if index.name is not None else "index"
@@ -219,6 +224,17 @@ def _of_frame(frame: Any) -> LogContents:
         words = "_".join(map(str, label)) if isinstance(label, tuple) else str(label)
         columns.append(_of_series(words, frame.iloc[:, i]))
     return LogContents("the DataFrame", "DataFrame", tuple(columns))
+
+
+def _numbers_of_texts(texts: Sequence[str]) -> Array:
+    """The numbers of the texts before the first that is none, NaN where an entry is missing."""
+    numbers = []
+    for text in texts:
+        value = np.nan if text.lower() in MISSING else table_number(text, ".")
+        if value is None:
+            break
+        numbers.append(value)
+    return np.array(numbers)
 
 
 def _periods(series: Any) -> Any:
@@ -242,5 +258,10 @@ def _of_series(name: str, series: Any) -> LogColumn:
     except (TypeError, ValueError):
         pass
     texts = tuple(map(str, series[: min(len(series), MOST_STAMPS)]))
-    problem = f"the DataFrame, column {shortened(bare, 60)}: its entries are not numbers."
+    numbers = _numbers_of_texts(texts)
+    if len(numbers) == len(series):
+        return LogColumn(bare, numbers, unit=unit, stored=kind)
+    row, label = len(numbers), shortened(bare, 60)
+    problem = f"the DataFrame, row {row + 1}, column {label}: "
+    problem += refused_entry(texts[row]) if row < len(texts) else "its entries are texts."
     return LogColumn(bare, None, unit=unit, stored=kind, problem=problem, texts=texts)

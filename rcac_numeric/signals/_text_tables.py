@@ -464,13 +464,13 @@ def _convert(
             elif value is None:
                 value = TRUTHS.get(lower)
             if value is None:
-                column.problem = f"{file}, line {lines[i]}, column {{}}: {_refused(entry)}"
+                column.problem = f"{file}, line {lines[i]}, column {{}}: {refused_entry(entry)}"
                 break
             numbers[i] = value
         parts.append(numbers)
 
 
-def _refused(entry: str) -> str:
+def refused_entry(entry: str) -> str:
     """The words for an entry that is no number."""
     hint = " Write decimals with a point." if as_number(entry, ",") is not None else ""
     return f"{shortened(entry, 60)!r} is not a number.{hint}"

@@ -406,3 +406,34 @@ def test_a_clock_of_a_topic_is_not_proposed_as_a_signal(tmp_path):
 if __name__ == "__main__":
     names = [*LOGS, *(f"pandas: {k}" for k in FRAMES), *(f"Octave: {k}" for k in OCTAVE)]
     print("\n".join(f"{i:3} {name}" for i, name in enumerate(names, 1)))
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        pd.DataFrame(), pd.DataFrame({"t": [], "u": [], "y": []}),
+        pd.DataFrame({"u": [], "y": []}, index=pd.DatetimeIndex([])),
+        pd.DataFrame({"Time": pd.to_datetime([]), "u": [], "y": []}),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("read", [read_log, inspect_log])
+def test_a_data_frame_without_rows(frame, read):
+    with pytest.raises(InputError, match="the DataFrame has no row"):
+        read(frame)
+
+
+@pytest.mark.parametrize("at", [0, 20, 49])
+def test_a_text_in_a_data_frame_is_quoted_with_its_row(at):
+    texts = ["1.5"] * 50
+    for entry, hint in (("Bad Input", ""), ("1,5", "Write decimals with a point")):
+        texts[at] = entry
+        words = (
+            f"row {at + 1}, column TIC203.PV: '{entry}' is not a number.{' ' * bool(hint)}{hint}"
+        )
+        with pytest.raises(InputError, match=words):
+            read_log(pd.DataFrame({"u": range(50), "TIC203.PV": texts}), {"y": "TIC203.PV"})
+    texts[at] = "n/a"
+    log = read_log(pd.DataFrame({"u": range(50), "TIC203.PV": texts}), {"y": "TIC203.PV"})
+    assert np.flatnonzero(log.missing).tolist() == [at]
+    clock = inspect_log(pd.DataFrame({"Time": ["0,5"] * 50})).clock
+    assert "50 of 50 stamps are no times, the first '0,5' in row 1" in clock.problem
