@@ -24,6 +24,7 @@ from rcac_experiments.cli._output import (
     log_options,
     picture_option,
     show,
+    with_log,
 )
 from rcac_experiments.files._design_files import design_arguments, save_design
 from rcac_experiments.reports._tuned import tuned_sheet
@@ -113,8 +114,10 @@ def design(
     or assumes defaults with --assume. The status is 1 if u = 0 gives a smaller error than the
     controller, or a log does not determine its plant well enough.
     """
-    result = designed(**_known(**options), seeds=seeds)
-    show(design_sheet(result), as_json, picture, result.plot, lambda: _written(result, output))
+    known = _known(**options)
+    result = designed(**known, seeds=seeds)
+    sheet = with_log(design_sheet(result), known["plant"])
+    show(sheet, as_json, picture, result.plot, lambda: _written(result, output))
     return _status(result)
 
 
@@ -144,7 +147,8 @@ def tune_command(
     The best settings are tested on plants and noise that were not used to choose them, together
     with the settings of rcac design and the fixed controller.
     """
-    begun = designed(**_known(**options), seeds=1)
+    known = _known(**options)
+    begun = designed(**known, seeds=1)
     line = ProgressLine() if sys.stderr.isatty() else None
     try:
         tuned = tune(begun, budget, held_out=held_out, seed=seed, store=store, workers=workers,
@@ -152,7 +156,8 @@ def tune_command(
     finally:
         if line is not None:
             line.end()
-    show(tuned_sheet(tuned), as_json, picture, tuned.plot, lambda: _written(tuned, output))
+    sheet = with_log(tuned_sheet(tuned), known["plant"])
+    show(sheet, as_json, picture, tuned.plot, lambda: _written(tuned, output))
     return _status(tuned.design)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,8 +14,9 @@ import compensator_theory as exact
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_experiments.experiments._budgets import ExperimentBudget
+from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.plots._formats import require_picture_format, save
-from rcac_numeric.reports._sheet import Sheet
+from rcac_numeric.reports._sheet import Block, Section, Sheet, Text
 from rcac_numeric.reports._sheet import as_json as json_of
 from rcac_numeric.reports._terminal import print_sheet
 
@@ -73,6 +74,16 @@ def log_arguments(columns: str, time: str | None, resample: float | None) -> dic
     """Return the options of a log as arguments of `read_log`."""
     names = [name.strip() for name in columns.split(",")] if columns.strip() else []
     return {"columns": names, "time": time, "resample": resample}
+
+
+def with_log(sheet: Sheet, log: Any) -> Sheet:
+    """Add the clock of a log, and what was done to its signals, to the report of its plant."""
+    if not isinstance(log, ControllerLog) or not (log.clock or log.notes):
+        return sheet
+    blocks: list[Block] = [Text(f"Clock: {log.clock}")] if log.clock else []
+    blocks += [Text(note, "warning") for note in log.notes]
+    record = {"log": {"clock": log.clock or None, "notes": list(log.notes)}}
+    return replace(sheet, sections=(*sheet.sections, Section("Log", tuple(blocks), record)))
 
 
 def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:

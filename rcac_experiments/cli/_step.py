@@ -15,10 +15,16 @@ from rcac_experiments.cli._output import (
     log_options,
     picture_option,
     show,
+    with_log,
 )
 from rcac_numeric.checks._logs import read_log
 from rcac_numeric.identification._step_response import identify_step_response
 from rcac_numeric.reports._step_response import design_command, step_response_sheet
+
+PLACEHOLDERS = (
+    "Replace SIZE by the disturbance in units of u, or unknown; LOW,HIGH by the limits of u from the "
+    "operating point, or none."
+)
 
 
 @click.command("step")
@@ -43,11 +49,10 @@ def step(
     )  # fmt: skip
     result = identify_step_response(log)
     show(
-        step_response_sheet(result), as_json, picture, result.plot,
+        with_log(step_response_sheet(result), log), as_json, picture, result.plot,
         lambda: [
             f"Next: {design_command(result)}",
-            "Replace SIZE by the disturbance in units of u, or unknown; LOW,HIGH by the limits of "
-            "u from the operating point, or none.",
+            *([PLACEHOLDERS] if result.sample_time else []),
         ],
     )  # fmt: skip
     return DONE

@@ -304,7 +304,7 @@ def check_controller(
         First step with u = Phi theta; beside a compensator the one since which it made u. By
         default that is compared with the last tenth of the log alone.
     sample_time : float, optional
-        In seconds; by default that of the log.
+        In seconds, of a log without one.
     tolerance : float, optional
         The relative difference between u and Phi theta that counts as none; by default what the
         digits of the log leave open.

@@ -323,14 +323,14 @@ def read_log(
     sample_time : float, optional
         In seconds; refused if the times contradict it.
     resample : float, optional
-        Distance of the steps in seconds, for irregular times: u, r and theta keep the last value,
+        Sample time in seconds, for irregular times: u, r and theta keep the last value,
         other signals are interpolated; `notes` states the error.
 
     Raises
     ------
     InputError
         If the file cannot be read, or u or y is not in it, or no shape fits; if stamps turn back,
-        are repeated or irregular.
+        are repeated, irregular or no times; if two sample times differ.
 
     Examples
     --------

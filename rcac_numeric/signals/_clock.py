@@ -235,7 +235,7 @@ def _is_rounded(d: Array) -> bool:
 def unread_clock(column: str, texts: Sequence[str], lines: Sequence[int] = ()) -> Clock:
     """The clock of texts that are not all times: it states the first entry that is none."""
     rows, unread = len(texts), unread_stamps(texts)
-    unread = unread if unread.any() else ~unread  # 0,5: a number of another language
+    unread = unread if unread.any() else np.ones(rows, bool)  # 0,5: a number of another language
     count, first = int(unread.sum()), int(np.argmax(unread))
     words = "stamps is no time:" if count == 1 else "stamps are no times, the first"
     return Clock(

@@ -96,11 +96,14 @@ def test_k_w_is_that_of_a_compensator_and_not_of_the_last_polynomials(fixed):
     assert rn.check_controller(ended, structure=rn.iir(n_c=3)).replay.start == last
 
 
-def test_a_sample_time_goes_before_that_of_the_log():
+def test_the_sample_time_of_the_log_is_that_of_the_plant():
     log = rn.ControllerLog(u=np.ones(20), y=np.ones(20), sample_time=0.1)
     plant = rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], sample_time=0.2)
     with pytest.raises(InputError, match="sample"):
         rn.check_controller(log, compensator=GAIN, plant=plant)
+    with pytest.raises(InputError, match=r"every 0\.1 s, and sample_time = 0\.2"):
+        rn.check_controller(log, compensator=GAIN, plant=plant, sample_time=0.2)
+    log = rn.ControllerLog(u=log.u, y=log.y)
     assert rn.check_controller(log, compensator=GAIN, plant=plant, sample_time=0.2).plant is plant
 
 
