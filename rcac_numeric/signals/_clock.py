@@ -31,7 +31,8 @@ COUNTED = ("k", "n", "i", "step", "steps", "index", "sample", "samples", "row", 
 TIMES = (*TIMED, *COUNTED)
 # Numbers of this size are counted from 1970; the unit follows from the size.
 SINCE_1970 = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
-SERIAL_DAYS = (20_000.0, 80_000.0)  # of a spreadsheet, from 1954 to 2119
+# From 1954 to 2119, and from 1954 to 2081.
+SERIAL_DAYS = ((20_000.0, 80_000.0, "a spreadsheet"), (714_000.0, 760_000.0, "MATLAB"))
 LONGEST_STEP = 0.01  # days, in a column whose name does not say that it holds dates
 NO_DATES = ("seconds", "elapsed", "elapsed_time", "tout", "timestamp_sample")
 DIGITS = "YYYYMMDDhhmmss"
@@ -319,15 +320,16 @@ def in_seconds(
     dated = _of_digits(values)
     if dated is not None:
         return dated, DIGITS
-    if base in TIMED and SERIAL_DAYS[0] < size < SERIAL_DAYS[1] and np.any(finite % 1):
+    writer = next((word for low, high, word in SERIAL_DAYS if low < size < high), "")
+    if writer and base in TIMED and np.any(finite % 1):
         rounding = rounding_of(values)
         since = values - values[0]
         if rounding.printing == "decimals":
             since = np.round(since, rounding.places)
         if base in {"date", "datetime", "timestamp"} and 0 < np.median(np.diff(finite)) < 1:
-            return since * 86400.0, "days of a spreadsheet"
+            return since * 86400.0, f"days of {writer}"
         if base not in NO_DATES and _are_days(since, sample_time):
-            return since * 86400.0, "days of a spreadsheet, assumed"
+            return since * 86400.0, f"days of {writer}, assumed"
     for least, word in SINCE_1970:
         if least <= size < 100 * least * (10 if word == "s" else 1):
             return (values - values[0]) * SECONDS[word], f"{word} since 1970"
@@ -346,7 +348,7 @@ def in_seconds(
 def _are_days(since: Array, sample_time: float | None) -> bool:
     """Whether steps below 0.01 are neater, or nearer to the sample time, in days than in seconds.
 
-    20 000 to 80 000 may be a date of a spreadsheet, or the seconds since a device was started.
+    45 720 may be a date of a spreadsheet, or the seconds since a device was started.
     """
     d = np.diff(since)
     if not d.size or not 0 < np.median(d) < LONGEST_STEP:

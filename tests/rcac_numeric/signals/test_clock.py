@@ -149,20 +149,21 @@ def clock_of_column(name, times, sample_time=None):
 @pytest.mark.parametrize("name", ["Time", "t", "Zeit", "local time"])
 @pytest.mark.parametrize("decimals", [5, 6, 9, 11])
 @pytest.mark.parametrize("seconds", [2, 5, 10, 15, 60, 300])
-@pytest.mark.parametrize("begin", [20001.25, 45720.58564, 79000.7])
+@pytest.mark.parametrize("begin", [20001.25, 45720.58564, 79000.7, 739680.58564])
 def test_days_of_a_spreadsheet(name, decimals, seconds, begin):
     days = np.round(begin + seconds * np.arange(400) / 86400, decimals)
     clock = clock_of_column(name, days)
-    assert clock.unit == "days of a spreadsheet, assumed" and clock.missing == 0
+    writer = "MATLAB" if begin > 1e5 else "a spreadsheet"
+    assert clock.unit == f"days of {writer}, assumed" and clock.missing == 0
     assert clock.sample_time == pytest.approx(seconds, rel=2e-3)
 
 
 @pytest.mark.parametrize("period", [0.0001, 0.001, 0.002, 0.0025, 0.004, 0.005, 0.008, 0.01, 0.1])
 @pytest.mark.parametrize("drift", [0, 2e-5, -1e-4])
 def test_seconds_since_a_device_was_started_are_no_days(period, drift):
-    times = 45720.5 + period * (1 + drift) * np.arange(400)
-    clock = clock_of_column("t", times)
-    assert clock.unit == "s, assumed" and clock.sample_time == pytest.approx(period, rel=1e-3)
+    for begin in (45720.5, 739680.5):
+        clock = clock_of_column("t", begin + period * (1 + drift) * np.arange(400))
+        assert clock.unit == "s, assumed" and clock.sample_time == pytest.approx(period, rel=1e-3)
     assert clock_of_column("elapsed", 45720.58564 + np.arange(400) / 43200).unit == "s, assumed"
 
 
