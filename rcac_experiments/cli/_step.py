@@ -22,8 +22,8 @@ from rcac_numeric.identification._step_response import identify_step_response
 from rcac_numeric.reports._step_response import design_command, step_response_sheet
 
 PLACEHOLDERS = (
-    "Replace SIZE by the disturbance in units of u, or unknown; LOW,HIGH by the limits of u from the "
-    "operating point, or none."
+    "Replace SIZE by the disturbance in units of u, or unknown; LOW,HIGH by the limits of u from "
+    "the operating point, or none."
 )
 
 
