@@ -10,6 +10,7 @@ void bind_loop(nb::module_& m);
 void bind_updates(nb::module_& m);
 void bind_filters(nb::module_& m);
 void bind_arx(nb::module_& m);
+void bind_box_jenkins(nb::module_& m);
 void bind_gaps(nb::module_& m);
 void bind_refinement(nb::module_& m);
 }  // namespace rcac

@@ -9,6 +9,7 @@ NB_MODULE(_kernel, m) {
     rcac::bind_updates(m);
     rcac::bind_filters(m);
     rcac::bind_arx(m);
+    rcac::bind_box_jenkins(m);
     rcac::bind_gaps(m);
     rcac::bind_refinement(m);
 }

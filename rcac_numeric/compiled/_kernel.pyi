@@ -189,6 +189,32 @@ def arx(
     theta_0: Array,
 ) -> Arx: ...
 def mu_markov(*, mu: int, n_mod: int, R_theta: float, forgetting_factor: float) -> Arx: ...
+class BoxJenkinsErrors:
+    @property
+    def theta(self) -> Array: ...
+    @property
+    def e(self) -> Array: ...
+    @property
+    def square(self) -> float: ...
+    def remainder(self, waves: bool) -> Array:
+        """What plant, levels, initial state and, on request, the sinusoid leave of y."""
+    def jacobian(self) -> Array | None:
+        """Shape (coefficients, steps); None where they leave float64."""
+
+def box_jenkins_errors(
+    *,
+    y: Array,
+    u: Array,
+    levels: Array,
+    weights: Array,
+    theta: Array,
+    orders: Sequence[int],
+    differences: bool,
+    armax: bool,
+    sinusoid: bool,
+    dependent: float,
+) -> BoxJenkinsErrors | None:
+    """None where the errors leave float64; an empty array of weights is that of ones."""
 def errors_with_gaps(
     *, signals: Array, whitener: Array, C: Array, observed: Array
 ) -> tuple[Array, float]: ...

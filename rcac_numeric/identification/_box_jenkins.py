@@ -13,10 +13,11 @@ from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.compiled._kernel import BoxJenkinsErrors
 from rcac_numeric.identification._process_records import ProcessRecord
 
 CIRCLE, OF_C = 0.99999, 0.995  # largest modulus of a pole of the plant or of D, and of a root of C
-EMPTY = np.zeros((0, 0))  # where a column depends on the others
 DIFFERENCE = np.array([1.0, -1.0])
 ONE = np.ones(1)
 UNSTABLE = 1.001  # modulus of a pole from which a model counts as unstable
@@ -180,11 +181,11 @@ def later(signal: Array, steps: int) -> Array:
 def confined(A: Array, radius: float) -> Array:
     """A with its roots outside a circle reflected into it, or pulled onto it."""
     n = len(A) - 1
-    if n == 0 or (n == 1 and abs(A[1]) <= radius):
+    if n == 0 or (n == 1 and abs(A[1]) <= radius) or _is_within(A, radius):
         return A
-    if not np.isfinite(A).all() or _is_within(A, radius):
+    if not np.isfinite(A).all():
         return A
-    roots = np.roots(A)
+    roots = -A[1:] if n == 1 else np.roots(A)
     size = np.abs(roots)
     if not (size > radius).any():
         return A
@@ -198,7 +199,7 @@ def confined(A: Array, radius: float) -> Array:
 
 def _is_within(A: Array, radius: float) -> bool:
     """Whether all roots are inside a circle: the reflection coefficients of Schur and Cohn."""
-    a = [float(one) / radius**k for k, one in enumerate(A)]
+    a = [one / radius**k for k, one in enumerate(A.tolist())]
     for n in range(len(a) - 1, 0, -1):
         last = a[n]
         if not abs(last) < 1:
@@ -212,22 +213,21 @@ class _Errors:
     """The prediction errors of one structure as a function of its coefficients."""
 
     def __init__(self, record: ProcessRecord, start: Start, weights: Array | None) -> None:
-        self.y, self.weights = record.y, weights
+        self.y = np.ascontiguousarray(record.y)
+        self.weights = np.zeros(0) if weights is None else np.ascontiguousarray(weights)
         delayed = later(record.u, start.delay)
-        self.u = np.cumsum(delayed) if start.summed else delayed
+        self.u = np.cumsum(delayed) if start.summed else np.ascontiguousarray(delayed)
         self.start = start
         self.n, self.m = len(start.A) - 1, len(start.B)
         self.n_C, self.n_D, self.differences = start.noise.orders
         steps = record.steps
-        self.impulse = np.zeros(steps)
-        self.impulse[0] = 1.0
-        self.known: list[Array] = [np.ones(steps)]
+        levels = [np.ones(steps)]
         if start.summed or start.slope:
-            self.known.append(np.linspace(0, 1, steps))
+            levels.append(np.linspace(0, 1, steps))
         if start.jump:
-            self.known.append(np.asarray(np.arange(steps) >= start.jump, dtype=np.float64))
-        self.fixed = len(self.known) + 2 * bool(start.sinusoid)
-        self.free = self.fixed + self.n
+            levels.append(np.asarray(np.arange(steps) >= start.jump, dtype=np.float64))
+        self.levels = np.stack(levels)
+        self.free = len(levels) + 2 * bool(start.sinusoid) + self.n
 
     def split(self, theta: Array) -> tuple[Array, Array, NoiseModel]:
         """A, B and the noise model of the coefficients."""
@@ -249,97 +249,14 @@ class _Errors:
         frequency = np.abs((theta[n_all:] + np.pi) % (2 * np.pi) - np.pi)  # the alias in [0, pi]
         return np.concatenate([A[1:], B, C[1:], D[1:], frequency])
 
-    def at(self, theta: Array) -> _Point | None:
+    def at(self, theta: Array) -> BoxJenkinsErrors | None:
         """The errors there; None where they leave float64."""
-        A, B, noise = self.split(theta)
-        if self.start.armax:
-            x = np.convolve(self.y, A)[: len(self.y)] - self.y
-            forced = np.convolve(self.u, np.concatenate([[0.0], B]))[: len(self.y)]
-            v, response = self.y + x - forced, self.impulse
-        else:
-            x = lfilter(np.concatenate([[0.0], B]), A, self.u)
-            v, response = self.y - x, lfilter(ONE, A, self.impulse)
-        waves = sinusoids(theta[-1], len(v)) if self.start.sinusoid else ()
-        raw = np.stack([v, *self.known, *waves, response])
-        white = lfilter(noise.whitener, noise.C, raw)
-        if not np.isfinite(white[0]).all() or not np.isfinite(white[-1]).all():
-            return None
-        F = np.empty((self.free, len(v)))
-        fixed = self.fixed
-        F[:fixed] = white[1 : 1 + fixed]
-        for i in range(self.n):
-            F[fixed + i] = later(white[-1], i)
-        e = white[0]
-        if self.weights is not None:
-            F, e = F * self.weights, e * self.weights
-        size = np.sqrt(np.einsum("ij,ij->i", F, F))
-        size[size == 0] = 1.0
-        Q, R = np.linalg.qr((F / size[:, None]).T)
-        is_needed = np.abs(np.diag(R)) > DEPENDENT
-        if not is_needed.all():
-            Q = Q[:, is_needed]
-            R = EMPTY
-        coefficients = Q.T @ e
-        e = e - Q @ coefficients
-        return _Point(self, theta, A, noise, x, raw, Q, R, coefficients, size, e)
-
-
-class _Point:
-    """The errors at some coefficients, and their derivatives where they are needed."""
-
-    def __init__(
-        self, errors: _Errors, theta: Array, A: Array, noise: NoiseModel, x: Array, raw: Array,
-        Q: Array, R: Array, coefficients: Array, size: Array, e: Array,
-    ) -> None:  # fmt: skip
-        self.errors, self.theta, self.A, self.noise, self.x = errors, theta, A, noise, x
-        self.raw, self.Q, self.R, self.coefficients, self.size = raw, Q, R, coefficients, size
-        self.e = e
-        self.square = float(e @ e)
-
-    def jacobian(self) -> Array | None:
-        """The derivatives of e, less their projection on what is free (Kaufman)."""
-        errors, noise, A = self.errors, self.noise, self.A
-        n, m, n_C, n_D = errors.n, errors.m, errors.n_C, errors.n_D
-        v, x, steps = self.raw[0], self.x, len(self.e)
-        wave = None
-        if len(self.R):
-            free = np.linalg.solve(self.R, self.coefficients) / self.size
-            known = errors.fixed
-            if errors.start.sinusoid:
-                cosine, sine = self.raw[known - 1 : known + 1]
-                wave = np.arange(steps) * (free[known - 1] * cosine - free[known - 2] * sine)
-            v = v - free[:known] @ self.raw[1 : 1 + known]
-            if n:
-                state = np.convolve(self.raw[-1], free[known:])[:steps]
-                v = v - state
-                if not errors.start.armax:  # the free response has the poles of the plant
-                    x = x + state
-        J = np.zeros((len(self.theta), steps))
-        top = noise.whitener
-        if errors.start.armax:
-            by_A, by_B = lfilter(top, noise.C, np.stack([errors.y, -errors.u]))
-        else:
-            by_A, by_B = lfilter(top, np.convolve(noise.C, A), np.stack([x, -errors.u]))
-        for k in range(1, n + 1):
-            J[k - 1, k:] = by_A[:-k]
-        for k in range(1, m + 1):
-            J[n + k - 1, k:] = by_B[:-k]
-        if n_C:
-            e = self.e if errors.weights is None else lfilter(top, noise.C, v)
-            by_C = lfilter(ONE, noise.C, e)
-            for k in range(1, n_C + 1):
-                J[n + m + k - 1, k:] = -by_C[:-k]
-        if n_D:
-            by_D = lfilter(DIFFERENCE if errors.differences else ONE, noise.C, v)
-            for k in range(1, n_D + 1):
-                J[n + m + n_C + k - 1, k:] = by_D[:-k]
-        if wave is not None:
-            J[-1] = -lfilter(top, noise.C, wave)
-        if errors.weights is not None:
-            J *= errors.weights
-        if not np.isfinite(J).all():
-            return None
-        return np.asarray(J - (J @ self.Q) @ self.Q.T)
+        return _kernel.box_jenkins_errors(
+            y=self.y, u=self.u, levels=self.levels, weights=self.weights,
+            theta=np.ascontiguousarray(theta), orders=(self.n, self.m, self.n_C, self.n_D),
+            differences=bool(self.differences), armax=self.start.armax,
+            sinusoid=self.start.sinusoid > 0, dependent=DEPENDENT,
+        )  # fmt: skip
 
 
 def fitted(
@@ -403,10 +320,10 @@ def minimised(
         return None
     damping = 1e-3
     for _ in range(iterations):
-        size = np.sqrt(np.einsum("ij,ij->i", J, J))
+        H, slope = J @ J.T, J @ point.e
+        size = np.sqrt(np.diag(H))
         size[size == 0] = 1.0
-        scaled = J / size[:, None]
-        H, slope = scaled @ scaled.T, scaled @ point.e
+        H, slope = H / size / size[:, None], slope / size
         if plant:
             H[:plant], H[:, :plant], slope[:plant] = 0.0, 0.0, 0.0
             H[:plant, :plant] = np.eye(plant)
@@ -438,11 +355,11 @@ def minimised(
     return point, J
 
 
-def _evaluated(record: ProcessRecord, errors: _Errors, point: _Point, J: Array) -> ProcessFit:
+def _evaluated(record: ProcessRecord, errors: _Errors, point: BoxJenkinsErrors, J: Array) -> ProcessFit:
     A, B, noise = errors.split(point.theta)
     start, e = errors.start, point.e
-    if errors.weights is not None:
-        e = np.asarray(lfilter(noise.whitener, noise.C, _unweighted(point)))
+    if len(errors.weights):
+        e = np.asarray(lfilter(noise.whitener, noise.C, point.remainder(True)))
     gauss, student, _ = record.likelihood(e)
     parameters = len(point.theta) + errors.free + 1 + bool(start.jump)
     bic = record.steps * min(gauss, student) + parameters * float(np.log(record.steps))
@@ -451,21 +368,6 @@ def _evaluated(record: ProcessRecord, errors: _Errors, point: _Point, J: Array) 
         float(point.theta[-1]) if start.sinusoid else 0.0, start.jump, e, J, parameters, bic,
         student < gauss - 0.02,
     )  # fmt: skip
-
-
-def _unweighted(point: _Point, waves: bool = True) -> Array:
-    """V less what is free of it, with or without the sinusoid."""
-    errors = point.errors
-    v: Array = point.raw[0]
-    if not len(point.R):
-        return v
-    free = np.linalg.solve(point.R, point.coefficients) / point.size
-    fixed = errors.fixed
-    known = fixed if waves else len(errors.known)
-    v = np.asarray(v - free[:known] @ point.raw[1 : 1 + known])
-    if errors.n:
-        v -= np.convolve(point.raw[-1], free[fixed:])[: len(v)]
-    return v
 
 
 def sinusoids(omega: float, steps: int) -> tuple[Array, Array]:
@@ -594,5 +496,5 @@ def residual_of(record: ProcessRecord, fit: ProcessFit) -> Array:
         return np.asarray(lfilter(fit.noise.C, np.convolve(D, stable), fit.e) / size)
     start = start_of(fit)
     point = _Errors(record, start, None).at(start.coefficients)
-    v = disturbance(record, fit) if point is None else _unweighted(point, waves=False)
+    v = disturbance(record, fit) if point is None else point.remainder(False)
     return np.asarray(v - v.mean())

@@ -15,6 +15,7 @@ from tests.support.kernel_calls import attempt, calls
 
 MAKERS = {
     "Arx": ["arx", "mu_markov"],
+    "BoxJenkinsErrors": ["box_jenkins_errors"],
     "Controller": ["controller"],
     "EstimationModel": [name for name in FUNCTIONS if name.endswith("_estimation_model")],
     "Filter": ["filter", "interacting_filters", "adaptive_filter"],

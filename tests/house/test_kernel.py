@@ -10,7 +10,7 @@ KERNEL = Path(__file__).resolve().parents[2] / "kernel"
 FLOORS = [
     {"memory", "simd"},
     {"updates", "plants"},
-    {"controller", "estimation"},
+    {"controller", "estimation", "identification"},
     {"loop"},
     {"lanes"},
     {"bindings"},

@@ -178,12 +178,27 @@ def arx(draw):
     return {"order": order, **ARX, "l_u": l_u, "l_y": l_y, "target": 0, "theta_0": theta_0}
 
 
+def box_jenkins_arguments(draw):
+    """Arguments of the errors of a model, with more coefficients than the record may show."""
+    orders = [draw(st.integers(0, 3)) for _ in range(4)]
+    has_sinusoid, steps = draw(st.booleans()), draw(st.integers(1, 70))
+    return {
+        "y": some(draw, steps), "u": some(draw, steps),
+        "levels": some(draw, draw(st.integers(0, 3)), steps),
+        "weights": some(draw, steps if draw(st.booleans()) else 0),
+        "theta": 0.3 * some(draw, sum(orders) + has_sinusoid), "orders": orders,
+        "differences": draw(st.booleans()), "armax": draw(st.booleans()),
+        "sinusoid": has_sinusoid, "dependent": 1e-9,
+    }  # fmt: skip
+
+
 FUNCTIONS = {
     "arx": arx,
     "mu_markov": lambda draw: {
         "mu": draw(st.integers(1, 6)), "n_mod": draw(st.integers(0, 3)), **ARX
     },
     "instruction_sets": lambda draw: {},
+    "box_jenkins_errors": box_jenkins_arguments,
     "errors_with_gaps": lambda draw: {
         "signals": some(draw, 2, 6), "whitener": np.array([1.0, -0.5]),
         "C": np.array([1.0, 0.3, 0.1]), "observed": np.array([1.0, 1, 0, 1, 0, 1]),
@@ -275,6 +290,10 @@ STATE = {**NOTHING, "restore": lambda draw, made: {"state": made.save()}}
 FREEZE = {"freeze": lambda draw, made: {"frozen": draw(st.booleans())}}
 ROW = {"k": 0, "u": np.ones(1), "w": np.ones(1)}
 METHODS = {
+    "BoxJenkinsErrors": {
+        "remainder": lambda draw, errors: {"waves": draw(st.booleans())},
+        "jacobian": lambda draw, errors: {},
+    },
     "Arx": {
         **STATE,
         "take": lambda draw, made: {

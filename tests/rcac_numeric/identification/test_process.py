@@ -17,7 +17,6 @@ from rcac_numeric.identification._box_jenkins import (
     ONE,
     NoiseModel,
     Start,
-    _Errors,
     _is_within,
     confined,
     fitted,
@@ -123,35 +122,6 @@ def test_an_unstable_plant_under_a_weak_dither_is_among_the_credible_models():
         search = search_of(u, y, None)
         poles = [np.abs(one.poles).max() for one in search.fits if search.credible(one)]
         assert any(1.0 < pole < 1.15 for pole in poles)
-
-
-@given(
-    seed=st.integers(0, 999), slope=st.booleans(), armax=st.booleans(), weighted=st.booleans(),
-    differences=st.integers(0, 1), sinusoid=st.sampled_from([0.0, 0.07]),
-    jump=st.sampled_from([0, 30, 120]),
-)  # fmt: skip
-def test_the_gradient_is_that_of_the_prediction_errors(
-    seed, slope, armax, weighted, differences, sinusoid, jump
-):
-    rng = np.random.default_rng(seed)
-    u = rng.standard_normal(200)
-    record = process_record(u, lag(u, 0.3, rng))
-    noise = NoiseModel(np.array([1, -0.4, 0.1]), np.array([1, -0.6]), differences)
-    start = Start(
-        np.array([1, -1.2, 0.4]), np.array([0.5, 0.1]), 1, noise, False, slope, armax, sinusoid,
-        jump,
-    )  # fmt: skip
-    weights = 1 + 0.5 * np.sin(np.arange(200)) if weighted else None
-    errors = _Errors(record, start, weights)
-    theta = start.coefficients
-    point, h = errors.at(theta), 1e-6
-    J = point.jacobian()
-    for k, row in enumerate(J):
-        step = h * np.eye(len(theta))[k]
-        difference = (errors.at(theta + step).e - errors.at(theta - step).e) / (2 * h)
-        # Kaufman's: the part in the space of what is free is left out.
-        difference -= point.Q @ (point.Q.T @ difference)
-        assert np.abs(difference - row).max() < 1e-5 * (1 + np.abs(row).max())
 
 
 @given(seed=st.integers(0, 999), count=st.integers(1, 3), weighted=st.booleans())
