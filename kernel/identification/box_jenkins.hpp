@@ -24,8 +24,8 @@ struct BoxJenkinsRecord {
     double dependent;  // of the norm of a free row: what the others leave of it is rounding
 };
 
-// The errors at coefficients a, b, c, d (and the frequency), with levels, sinusoid and initial state
-// projected out (Golub and Pereyra).
+// The errors at coefficients of A, B, C, D (and a frequency), with levels, sinusoid and initial
+// state projected out (Golub and Pereyra).
 class BoxJenkinsErrors {
 public:
     BoxJenkinsErrors(BoxJenkinsRecord record, std::vector<double> theta)
@@ -193,7 +193,7 @@ private:
     std::vector<double> theta_;
     std::size_t steps_, levels_ = 0, fixed_ = 0;
     std::vector<double> A_, C_, whitener_, x_;
-    std::vector<double> raw_;  // rows: y less what u does, levels, cosine, sine, initial response
+    std::vector<double> raw_;  // rows: y less what u does, levels, waves, initial response
     std::vector<double> e_, free_;
     std::unique_ptr<OrthogonalRows> free_rows_;
     bool is_finite_ = false;

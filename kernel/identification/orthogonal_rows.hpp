@@ -10,15 +10,16 @@ namespace rcac {
 
 // The order of the sum is written out, so that no instruction set changes it.
 inline double dot(const double* a, const double* b, std::size_t size) {
-    constexpr std::size_t parts = 8;
-    double sums[parts] = {};
+    double first = 0.0, second = 0.0, third = 0.0, fourth = 0.0;
     std::size_t k = 0;
-    for (; k + parts <= size; k += parts)
-        for (std::size_t j = 0; j < parts; ++j) sums[j] += a[k + j] * b[k + j];
-    double rest = 0.0;
-    for (; k < size; ++k) rest += a[k] * b[k];
-    return ((sums[0] + sums[4]) + (sums[1] + sums[5])) +
-           ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest;
+    for (; k + 4 <= size; k += 4) {
+        first += a[k] * b[k];
+        second += a[k + 1] * b[k + 1];
+        third += a[k + 2] * b[k + 2];
+        fourth += a[k + 3] * b[k + 3];
+    }
+    for (; k < size; ++k) first += a[k] * b[k];
+    return (first + third) + (second + fourth);
 }
 
 inline void subtract(double* from, double factor, const double* row, std::size_t size) {
@@ -29,6 +30,7 @@ inline void subtract(double* from, double factor, const double* row, std::size_t
 // `dependent` is not in the basis.
 class OrthogonalRows {
 public:
+    // The basis takes the place of the rows.
     OrthogonalRows(std::vector<double> rows, std::size_t count, std::size_t size, double dependent)
         : count_(count), size_(size), Q_(std::move(rows)), R_(count * count), norm_(count),
           is_needed_(count) {

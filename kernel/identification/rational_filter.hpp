@@ -33,7 +33,8 @@ public:
 
 private:
     static constexpr std::size_t together = 4, block = 64;
-    static constexpr double negligible = 1e-290;  // below it the states of a decay become slow
+    // Of a decay: products of what follows would be denormal, and slow.
+    static constexpr double negligible = 1e-140;
 
     template <std::size_t width>
     void some(const double* in, double* out, std::size_t first, std::size_t steps) {
