@@ -11,6 +11,7 @@ from rcac_numeric.arrays._array_types import Array
 
 # Successive precisions of the balls in bits, and doublings: enough for every float64 matrix.
 PRECISIONS, DOUBLINGS = (192, 512, 1536, 4096), 100
+REFINEMENTS = 2  # of the float64 solution by its residual, where rounding took digits of it
 # Largest order for the enclosure in balls if float64 fails, one second; the Schur form beyond it.
 MOST_STATES = 50
 
@@ -21,7 +22,8 @@ def stein_solution(A: Array, Q: Array) -> Array:
     Each step of the doubling doubles the number of terms, X <- X + F X F' and F <- F F. Unlike a
     linear solve it keeps a positive semidefinite X so, and the relative accuracy of badly scaled
     entries. The powers of a strongly non-normal A are lost to rounding, though, and may leave
-    float64: where the residual shows it, X is enclosed in balls and rounded once.
+    float64: where the residual shows it, X is corrected by the solution for the residual; if that
+    is not enough, X is enclosed in balls and rounded once.
 
     Notes
     -----
@@ -30,6 +32,12 @@ def stein_solution(A: Array, Q: Array) -> Array:
     A, Q = np.asarray(A, dtype=np.float64), np.asarray(Q, dtype=np.float64)
     with np.errstate(all="ignore"):  # an overflow shows in the residual
         solution = _doubled(A, Q)
+        for _ in range(REFINEMENTS):
+            if solution is None or stein_residual(A, Q, solution) <= _rounding(A):
+                break
+            rest = A @ solution @ A.T + Q - solution
+            correction = _doubled(A, (rest + rest.T) / 2)
+            solution = None if correction is None else solution + correction
         if solution is not None and stein_residual(A, Q, solution) <= _rounding(A):
             return solution
         is_finite = bool(np.isfinite(A).all() and np.isfinite(Q).all())

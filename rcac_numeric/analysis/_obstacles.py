@@ -222,7 +222,11 @@ def _suspects(modes: NDArray[Any], size: float) -> list[complex]:
 
 
 def _pencil(A: Array, B: Array, E_1: Array, E_2: Array, at: complex) -> NDArray[np.complex128]:
-    return np.block([[A - at * np.eye(len(A)), B], [E_1, E_2]])
+    n = len(A)
+    pencil = np.empty((n + len(E_1), n + B.shape[1]), dtype=np.complex128)
+    pencil[:n, :n], pencil[:n, n:], pencil[n:, :n], pencil[n:, n:] = A, B, E_1, E_2
+    pencil[np.arange(n), np.arange(n)] -= at
+    return pencil
 
 
 def balanced_pencil(pencil: NDArray[np.complex128]) -> NDArray[np.complex128]:

@@ -14,9 +14,12 @@ best K for that P. From any stabilising K it converges, monotonically and in the
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
+from scipy.linalg import lapack
 
 from rcac_numeric.arrays._array_types import Array
 
@@ -28,14 +31,22 @@ DOUBLINGS = 60  # 2^60 steps: enough for every spectral radius in float64
 def triangle(rows: Array) -> Array:
     """Return an upper triangular S with S'S = rows'rows, of the same width."""
     n = rows.shape[1]
-    if not len(rows):
+    if not rows.size:
         return np.zeros((n, n))
     # Householder's method is accurate row by row where the large rows come first.
     order = np.argsort(-np.abs(rows).max(axis=1, initial=0.0), kind="stable")
     S = np.zeros((n, n))
-    triangular = linalg.qr(rows[order], mode="r", check_finite=False)[0][:n]
+    # LAPACK itself: SciPy's function takes longer than these small matrices.
+    triangular = lapack.dgeqrf(rows[order])[0][:n]
     S[: len(triangular)] = triangular
+    S[_below(n)] = 0.0
     return S
+
+
+@lru_cache(maxsize=64)
+def _below(n: int) -> NDArray[np.bool_]:
+    """Where a triangle of n rows has zeros."""
+    return np.tri(n, k=-1, dtype=bool)
 
 
 def stein_factor(A: Array, E: Array) -> Array:
