@@ -189,6 +189,7 @@ def arx(
     theta_0: Array,
 ) -> Arx: ...
 def mu_markov(*, mu: int, n_mod: int, R_theta: float, forgetting_factor: float) -> Arx: ...
+
 class BoxJenkinsErrors:
     @property
     def theta(self) -> Array: ...
@@ -215,6 +216,7 @@ def box_jenkins_errors(
     dependent: float,
 ) -> BoxJenkinsErrors | None:
     """None where the errors leave float64; an empty array of weights is that of ones."""
+
 def errors_with_gaps(
     *, signals: Array, whitener: Array, C: Array, observed: Array
 ) -> tuple[Array, float]: ...

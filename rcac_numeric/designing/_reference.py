@@ -199,7 +199,8 @@ class WeightGrid:
     def judged(self, parts: StateSpace, most: float = np.inf) -> LoopEvaluation:
         """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid.
 
-        Above `most` the peak is a lower bound, and nothing else is computed.
+        Above `most` the peak is a lower bound, and nothing else is computed; with a finite `most`
+        error and control are not computed either where a plant is lost.
         """
         try:
             peak = _peak(self.scaled, parts, most)
@@ -207,8 +208,8 @@ class WeightGrid:
                 return LoopEvaluation(len(self.instead) + 1, peak)
             lost = sum(not loop_radius(other, parts) < 1 for other in self.instead)
             lost += not loop_radius(self.scaled, parts) < SLOWEST
-            if not np.isfinite(peak):
-                return LoopEvaluation(lost, np.inf)
+            if not np.isfinite(peak) or (lost and np.isfinite(most)):
+                return LoopEvaluation(lost, peak)
             noise = {**self.noise, "v": self.noise_variance}
             e, u = _powers(self.scaled, self.models, parts, noise)
         except CompensatorError:
@@ -582,7 +583,11 @@ def _peak(plant: Plant, parts: StateSpace, most: float = np.inf) -> float:
 def _closed(plant: Plant, parts: StateSpace) -> Array:
     """A of the loop, D_0 = 0."""
     A_c, B_c, C_c, D_c = parts
-    return np.block([[plant.A + plant.B @ D_c @ plant.C, plant.B @ C_c], [B_c @ plant.C, A_c]])
+    n = len(plant.A)
+    A = np.empty((n + len(A_c), n + len(A_c)))
+    A[:n, :n], A[:n, n:] = plant.A + plant.B @ D_c @ plant.C, plant.B @ C_c
+    A[n:, :n], A[n:, n:] = B_c @ plant.C, A_c
+    return A
 
 
 def loop_radius(plant: Plant, parts: StateSpace) -> float:

@@ -355,7 +355,9 @@ def minimised(
     return point, J
 
 
-def _evaluated(record: ProcessRecord, errors: _Errors, point: BoxJenkinsErrors, J: Array) -> ProcessFit:
+def _evaluated(
+    record: ProcessRecord, errors: _Errors, point: BoxJenkinsErrors, J: Array
+) -> ProcessFit:
     A, B, noise = errors.split(point.theta)
     start, e = errors.start, point.e
     if len(errors.weights):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -130,7 +131,7 @@ def likelihood_of(e: Array, quantum: float) -> tuple[float, float, float]:
     scale = max(float(np.sqrt(np.median(squares))), floor, 1e-150)
     for _ in range(12):
         weights = (DEGREES + 1) / (DEGREES + squares / scale**2)
-        scale = max(float(np.sqrt(np.mean(weights * squares))), floor, 1e-150)
+        scale = max(math.sqrt(np.add.reduce(weights * squares) / len(e)), floor, 1e-150)
     if quantum:
         size = np.abs(e)
         return _of_cells(size, quantum, _gauss), _of_cells(size, quantum, _student), scale
