@@ -13,8 +13,7 @@ from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.compiled import _kernel
-from rcac_numeric.compiled._kernel import BoxJenkinsErrors
+from rcac_numeric.compiled._box_jenkins import BoxJenkinsErrors, box_jenkins_errors
 from rcac_numeric.identification._process_records import ProcessRecord
 
 CIRCLE, OF_C = 0.99999, 0.995  # largest modulus of a pole of the plant or of D, and of a root of C
@@ -213,10 +212,9 @@ class _Errors:
     """The prediction errors of one structure as a function of its coefficients."""
 
     def __init__(self, record: ProcessRecord, start: Start, weights: Array | None) -> None:
-        self.y = np.ascontiguousarray(record.y)
-        self.weights = np.zeros(0) if weights is None else np.ascontiguousarray(weights)
+        self.y, self.weights = record.y, weights
         delayed = later(record.u, start.delay)
-        self.u = np.cumsum(delayed) if start.summed else np.ascontiguousarray(delayed)
+        self.u = np.cumsum(delayed) if start.summed else delayed
         self.start = start
         self.n, self.m = len(start.A) - 1, len(start.B)
         self.n_C, self.n_D, self.differences = start.noise.orders
@@ -251,11 +249,10 @@ class _Errors:
 
     def at(self, theta: Array) -> BoxJenkinsErrors | None:
         """The errors there; None where they leave float64."""
-        return _kernel.box_jenkins_errors(
-            y=self.y, u=self.u, levels=self.levels, weights=self.weights,
-            theta=np.ascontiguousarray(theta), orders=(self.n, self.m, self.n_C, self.n_D),
-            differences=bool(self.differences), armax=self.start.armax,
-            sinusoid=self.start.sinusoid > 0, dependent=DEPENDENT,
+        return box_jenkins_errors(
+            self.y, self.u, self.levels, self.weights, theta,
+            (self.n, self.m, self.n_C, self.n_D), differences=bool(self.differences),
+            armax=self.start.armax, sinusoid=self.start.sinusoid > 0, dependent=DEPENDENT,
         )  # fmt: skip
 
 
@@ -360,7 +357,7 @@ def _evaluated(
 ) -> ProcessFit:
     A, B, noise = errors.split(point.theta)
     start, e = errors.start, point.e
-    if len(errors.weights):
+    if errors.weights is not None:
         e = np.asarray(lfilter(noise.whitener, noise.C, point.remainder(True)))
     gauss, student, _ = record.likelihood(e)
     parameters = len(point.theta) + errors.free + 1 + bool(start.jump)
