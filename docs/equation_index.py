@@ -8,7 +8,7 @@ import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from docs.reference_pages import PACKAGES, ROOT, place, public_names, public_path
+from docs.reference_pages import PACKAGES, ROOT, parsed, place, public_names, public_path
 from proofs.ledger.ledger import ledger
 from rcac_experiments.dissertation._reading import find_errata
 
@@ -64,7 +64,7 @@ def equations() -> dict[str, Places]:
         for path in sorted(folder.rglob("*.py")):
             module = ".".join(path.relative_to(folder.parent).with_suffix("").parts)
             module = module.removesuffix(".__init__")
-            for owner, text in texts(path.read_text()):
+            for owner, text in texts(path.read_text(), parsed(path)):
                 for number in cited(text):
                     name = public.get((module, owner))
                     if name:
@@ -123,9 +123,8 @@ def _home(name: str) -> str:
     return public_names(name.partition(".")[0])[name.rpartition(".")[2]]
 
 
-def texts(source: str) -> Iterator[tuple[str | None, str]]:
+def texts(source: str, tree: ast.Module) -> Iterator[tuple[str | None, str]]:
     """(top-level owner, words): docstrings without their examples, and comments."""
-    tree = ast.parse(source)
     for node in tree.body:
         owner = node.name if isinstance(node, ast.ClassDef | ast.FunctionDef) else None
         for inner in ast.walk(node):

@@ -285,7 +285,7 @@ def _automodule(module: str, public: list[str]) -> str:
 def _documented(module: str) -> Iterator[str]:
     """What a module itself makes and describes: no imported name, no alias of a type."""
     path = place(module)
-    body = _parsed(path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).body
+    body = parsed(path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).body
     for node, after in zip(body, [*body[1:], None], strict=True):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             if not node.name.startswith("_") and ast.get_docstring(node):
@@ -310,7 +310,8 @@ def _modules(folder: str) -> Iterator[str]:
 
 
 @cache
-def _parsed(path: Path) -> ast.Module:
+def parsed(path: Path) -> ast.Module:
+    """The syntax tree of a module, made once: all that read the sources share it."""
     return ast.parse(path.read_text())
 
 
@@ -330,7 +331,7 @@ def _summary(module: str, name: str) -> str:
     if (path / name).is_dir():
         return _sentence(f"{module}.{name}")
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    for node in _parsed(path).body:
+    for node in parsed(path).body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
             text = " ".join((ast.get_docstring(node) or "").split("\n\n")[0].split())
             text = re.sub(r":\w+:`~?([^`<]+)`", r"`\1`", text)

@@ -9,6 +9,7 @@ N. Of a test marked `cases(N)` N of its cases are run, others in every run, and 
 `exact_data`.
 """
 
+import gc
 import os
 import random
 import signal
@@ -49,6 +50,19 @@ def pytest_configure(config):
     if seed is not None:
         config.stash[LAST_DIGITS] = LastDigits(seed)
         config.stash[LAST_DIGITS].install()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Modules, libraries and tests stay to the end: a search for garbage among them is in vain.
+
+    They are not frozen: `benchmarks/verb_mutants.py` looks for functions by `gc.get_objects`.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)

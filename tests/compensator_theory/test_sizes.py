@@ -82,6 +82,7 @@ def test_roots_on_the_circle_are_those_of_the_folded_polynomial(half):
     assert degrees
 
 
+@pytest.mark.costly
 def test_a_regulator_spectrum_is_that_of_the_pencil():
     A, B, N, s = _matrix(3, 3), _matrix(3, 2, 2), _matrix(3, 2, 3), sympy.Symbol("s")
     Q, R = A + A.T, sympy.Matrix([[3, 1], [1, 2]])
@@ -127,6 +128,7 @@ def test_the_norm_of_many_states_is_refused_before_its_polynomial_is_made():
         h_infinity_norm((above, below))
 
 
+@pytest.mark.costly
 def test_a_compensator_with_symbols_is_refused_before_its_adjugate():
     names = sympy.symbols("a b c")
     A = _matrix(4, 4) + sympy.diag(*names, 0)
@@ -209,6 +211,7 @@ def test_each_step_of_an_elimination_counts_for_the_budget(form, step):
         form(matrix)
 
 
+@pytest.mark.costly
 def test_a_smith_mcmillan_form_with_four_symbols_is_made_of_short_steps():
     a, b, c, d, s = sympy.symbols("a b c d s")
     below = s**4 + a * s**3 + b * s**2 + c * s + d
@@ -221,6 +224,7 @@ def test_a_smith_mcmillan_form_with_four_symbols_is_made_of_short_steps():
     assert sympy.rem(det, form.zero_polynomial.as_expr(), s) == 0
 
 
+@pytest.mark.costly
 def test_doubly_coprime_fractions_with_symbols_are_refused_before_they_are_made():
     names = sympy.symbols("a b c")
     plant = (_matrix(4, 4) + sympy.diag(*names, 0), _matrix(4, 1, 2), _matrix(1, 4, 3))
@@ -228,6 +232,7 @@ def test_doubly_coprime_fractions_with_symbols_are_refused_before_they_are_made(
         doubly_coprime_fractions(plant, [-1, -2, -3, -4], [-5, -6, -7, -8], variable="s")
 
 
+@pytest.mark.costly
 def test_a_realisation_with_symbols_takes_one_elimination():
     a, b, s = sympy.symbols("a b s")
     below = (s + a) * (s + b) * (s + 1)

@@ -71,6 +71,7 @@ def test_a_leading_coefficient_that_may_vanish_decides_nothing():
     )
 
 
+@pytest.mark.costly
 def test_stability_of_irrational_polynomials_is_decided_from_the_coefficients():
     """By signs of numbers; there are no certified roots then, and `by_roots` is None."""
     s, z = sympy.symbols("s z")

@@ -21,6 +21,7 @@ def test_every_item_is_settled_or_says_why_not(numbered):
     assert all(item.claims or item.besides for item in numbered if item.example)
 
 
+@pytest.mark.costly
 def test_every_example_and_every_caption_that_is_quoted_is_an_item(numbered):
     by_name = {item.name: item for item in numbered}
     chapters = [number for number in example_ids() if not number.startswith("9.")]

@@ -1,5 +1,6 @@
 """The reference: every public name in one group and on one page, every equation in the index."""
 
+import ast
 from collections import Counter
 from pathlib import Path
 
@@ -114,7 +115,7 @@ def test_ledger_and_errata_are_in_the_index(index):
 def test_a_number_in_an_example_is_no_citation():
     """A call such as f(2.5) in code of a docstring is no equation."""
     text = '"""Of (4.7).\n\nExamples\n--------\n>>> abs(2.5)\n(2.6)\n"""\nx = f(2.7)  # (A.8)\n'
-    assert [list(cited(words)) for _, words in texts(text)] == [["4.7"], ["A.8"]]
+    assert [list(cited(words)) for _, words in texts(text, ast.parse(text))] == [["4.7"], ["A.8"]]
 
 
 def test_every_other_project_is_a_committed_list(tmp_path):

@@ -167,6 +167,7 @@ def test_the_store_itself(store, places, command):
         assert outside(ours) == before, f"{kind}: touched"
 
 
+@pytest.mark.costly
 def test_a_link_that_you_name_is_followed(store, places):
     received, _ = places
     (received / "s").symlink_to(store)

@@ -126,6 +126,7 @@ def read(path):
             assert str(path) in str(error) and len(str(error)) < 3000
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", KINDS)
 def test_damaged_logs(tmp_path, kind, in_full):
     for seed in range(1500 if in_full else 60):

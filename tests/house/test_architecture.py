@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from docs.reference_pages import parsed
 from tests.house.layers import FLOORS, LAYERS
 from tests.support.public import public_objects
 
@@ -69,7 +70,7 @@ def _imports(path):
                 inside = "a type checker"
             yield from visit(child, inside)
 
-    for line, module, function in visit(ast.parse(path.read_text()), ""):
+    for line, module, function in visit(parsed(path), ""):
         shows = function in SHOWING and folder(module).rpartition(".")[2] in SHOWN_IN
         if module.split(".")[0] in PACKAGES and not shows:
             yield line, module, function
@@ -150,7 +151,7 @@ def test_analyses_run_nothing():
 @pytest.mark.costly
 def test_the_exact_half_has_no_floats():
     for path in (ROOT / "compensator_theory").rglob("*.py"):
-        tree = ast.parse(path.read_text())
+        tree = parsed(path)
         for node in ast.walk(tree):
             names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []

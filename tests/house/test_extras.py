@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from compensator_theory.libraries import EXTRAS
+from docs.reference_pages import parsed
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -31,7 +32,7 @@ def names(requirements):
 
 def libraries_of(path):
     """The packages that a file imports, our own and those of Python left out."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(parsed(path)):
         result = []
         if isinstance(node, ast.Import):
             result = [alias.name for alias in node.names]
@@ -79,6 +80,7 @@ def test_a_picture_is_refused_before_anything_runs(option, tmp_path):
     assert "compensator-theory[plot]" in out.stderr and "Traceback" not in out.stderr
 
 
+@pytest.mark.costly
 def test_every_door_names_its_extra():
     out = run(
         """

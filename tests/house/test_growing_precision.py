@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from docs.reference_pages import parsed
+
 ROOT = Path(__file__).resolve().parents[2]
 FILES = [
     p
@@ -62,7 +64,7 @@ def test_no_other_loop_doubles_a_precision():
     result = {
         (str(path.relative_to(ROOT)), name)
         for path in FILES
-        for name in growing_loops(ast.parse(path.read_text()))
+        for name in growing_loops(parsed(path))
     }
     assert result == {HOME}
 

@@ -20,6 +20,7 @@ def test_import_leaves_heavy_packages_alone(statement):
     assert out.stdout.strip() == "[]"
 
 
+@pytest.mark.costly
 def test_a_file_is_verified_without_what_few_files_need():
     """Each of these takes a sixth of a second or more, in every worker and every command."""
     heavy = "{'scipy.stats', 'scipy.signal', 'scipy.optimize', 'control', 'matplotlib'}"

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from compensator_theory.errors import Advice, CompensatorError, InputError
+from docs.reference_pages import parsed
 from rcac_experiments.cli._exits import AT_THE_SHELL, at_the_shell
 from tests.support.advice import has_argument, known
 
@@ -79,7 +80,7 @@ def test_no_message_is_read(package):
     for path in sorted((ROOT / package).rglob("*.py")):
         name = str(path.relative_to(ROOT))
         if name not in OF_OTHERS:
-            wrong += [f"{name}:{line}" for line in readings(ast.parse(path.read_text()))]
+            wrong += [f"{name}:{line}" for line in readings(parsed(path))]
     assert not wrong, "give the error an attribute that says it"
 
 
@@ -120,7 +121,7 @@ def written():
     """Names of functions and of their first argument, of every Advice(...) in the packages."""
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text())):
+            for node in ast.walk(parsed(path)):
                 if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Advice":
                     function, arguments, _ = node.args
                     pairs = [p.elts[0] for p in getattr(arguments, "elts", ())]

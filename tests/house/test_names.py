@@ -4,6 +4,8 @@ import ast
 from collections import defaultdict
 from pathlib import Path
 
+from docs.reference_pages import parsed
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 TWICE: dict[str, str] = {}
@@ -15,7 +17,7 @@ def homes():
     files = defaultdict(list)
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text())):
+            for node in ast.walk(parsed(path)):
                 if isinstance(node, ast.ClassDef):
                     files[node.name].append(str(path.relative_to(ROOT)))
     return files

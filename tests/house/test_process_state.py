@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from docs.reference_pages import parsed
+
 ROOT = Path(__file__).resolve().parents[2]
 FILES = [
     p
@@ -62,7 +64,7 @@ def test_nothing_of_the_process_is_set():
     result = {
         (path.relative_to(ROOT).as_posix(), name)
         for path in FILES
-        for name in setters(ast.parse(path.read_text(encoding="utf-8")))
+        for name in setters(parsed(path))
     }
     assert result == ALLOWED
 

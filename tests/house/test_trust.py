@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from docs.reference_pages import parsed
 from tests.house.reachable import PAGE, reachable, written
 
 ROOT = Path(__file__).parents[2]
@@ -74,7 +75,7 @@ def occurring():
     result = defaultdict(Counter)
     for package in ("compensator_theory", "rcac_numeric", "rcac_experiments"):
         for path in sorted((ROOT / package).rglob("*.py")):
-            for kind in kinds_in(ast.parse(path.read_text("utf-8"))):
+            for kind in kinds_in(parsed(path)):
                 result[kind][path.relative_to(ROOT).as_posix()] += 1
     return result
 

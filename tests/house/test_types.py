@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.reference_pages import public_names
+from docs.reference_pages import parsed, public_names
 
 ROOT = Path(__file__).resolve().parents[2]
 HOMES = [
@@ -20,7 +20,7 @@ def fields(name, module):
     """(field, annotation) of a public class; nothing for a function."""
     path = ROOT.joinpath(*module.split("."))
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    for node in ast.parse(path.read_text()).body:
+    for node in parsed(path).body:
         if isinstance(node, ast.ClassDef) and node.name == name:
             for entry in node.body:
                 if isinstance(entry, ast.AnnAssign) and isinstance(entry.target, ast.Name):

@@ -81,6 +81,7 @@ def _pointers(package, text):
                     yield number, name
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("package", ABOVE)
 def test_no_package_names_its_users(package):
     result = [

@@ -121,6 +121,7 @@ def test_common_factors_of_decimals_cancel(system, right):
     assert same(ct.transfer_function(system, "s").reduced().as_expr(), right)
 
 
+@pytest.mark.costly
 def test_nested_loops_with_ten_symbols():
     """SymPy #26161, #26293: two loops around each other, against SymPy's cancel."""
     a, b, c, d, e, f, g, h, k, m = sp.symbols("a b c d e f g h k_1 m_1")

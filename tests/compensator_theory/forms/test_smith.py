@@ -45,6 +45,7 @@ def test_invariant_polynomials_are_quotients_of_gcds_of_minors(P):
     assert all(entry.is_zero for entry in off)
 
 
+@pytest.mark.costly
 @given(polynomial_matrices())
 def test_the_unimodular_matrices_multiplied_out_by_sympy(P):
     form = smith_form(P)

@@ -129,6 +129,7 @@ def test_example_4_1_is_enclosed():
     assert target.denominator.coefficients[0].centre == 1
 
 
+@pytest.mark.costly
 @given(standard_problems(max_order=3, max_signals=1, has_direct_term=True))
 def test_riccati_equations_of_random_plants(plant):
     try:

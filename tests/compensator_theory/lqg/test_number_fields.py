@@ -307,6 +307,7 @@ def test_several_signals_and_stable_hidden_modes_have_controllers():
     assert controller.regulator.factor.enclosure.centre.eval(sympy.Rational(-1, 2)) < 1e-20
 
 
+@pytest.mark.costly
 def test_the_cost_of_a_sampled_plant_with_two_outputs():
     """Its field has degree 64 and long numbers: SymPy would isolate the generator for minutes."""
     A, B, C = [[1, -1, -1], [2, 0, 2], [2, 2, -1]], [[0], [2], [2]], [[0, 1, 1], [2, -1, 2]]

@@ -21,6 +21,7 @@ from compensator_theory.strategies import polynomials, spectra, strictly_proper_
 SIGNS = st.sampled_from([1, -1])
 
 
+@pytest.mark.costly
 @given(strictly_proper_plants(max_order=3), SIGNS, st.integers(0, 2), st.data())
 def test_properness(plant, feedback, excess, data):
     n_c = plant.order + excess

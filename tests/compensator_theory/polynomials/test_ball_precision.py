@@ -40,6 +40,7 @@ def answers(poly):
     return [*result, exact.canonical(root), algebraic(root).minimal]
 
 
+@pytest.mark.costly
 @given(poly=polynomials(variable="q", max_degree=5), bits=st.sampled_from([2, 12, 500, 4000]))
 def test_the_precision_outside_changes_nothing(poly, bits):
     if poly.is_zero:

@@ -48,6 +48,7 @@ def test_loops_of_two_fields_have_their_own_values(gains):
     assert near(corner.subs(G.variable, POINT).evalf(60), along**2 + back**2)
 
 
+@pytest.mark.costly
 @few
 @given(gain=same_field, pole=same_field)
 def test_a_loop_is_placed_over_another_field(gain, pole):

@@ -58,6 +58,7 @@ def test_the_transform_of_the_closed_form_is_the_source(G):
             assert abs(value - expected) < 1e-12 * (1 + abs(expected))
 
 
+@pytest.mark.costly
 @given(systems())
 def test_the_derivatives_at_zero_are_markov_parameters(G):
     y = ct.impulse_response(G)
@@ -81,6 +82,7 @@ def test_a_sequence_is_the_long_division(G):
         assert abs(complex(y.expression.subs(y.time, k).evalf(30)) - sample) <= 1e-12 * size
 
 
+@pytest.mark.costly
 @given(matrices(3, 3) | matrices(2, 2), st.sampled_from("sz"))
 def test_transition_matrices(A, variable):
     E = ct.transition_matrix(A, variable)

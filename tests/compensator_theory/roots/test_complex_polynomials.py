@@ -81,6 +81,7 @@ def test_a_known_condition():
     assert decide_stability("L*s + R + w*L*I", "s").is_stable is None
 
 
+@pytest.mark.costly
 @fewer(2)
 @given(ROOTS, ROOTS)
 def test_partial_fractions_sum_up(poles, zeros):

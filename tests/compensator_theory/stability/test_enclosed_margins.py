@@ -52,6 +52,7 @@ def agree(mine, theirs):
         assert abs(sympy.N(one - other, 40)) <= NEAR * max(1, abs(other))
 
 
+@pytest.mark.costly
 @fewer(3)
 @given(PLANTS, STEPS, st.sampled_from(["1", "1/3", "(z - 1/2)/(z + 1/3)", "-2"]))
 def test_margins_are_those_of_a_rational_plant_close_by(plant, step, compensator):

@@ -143,6 +143,7 @@ FAMILIES = (chain, lags, modes, decimals, delays)
 MOST = 1_500_000
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize(
     ("function", "poles"), [(stability_margins, 40), (root_locus, 24), (stabilising_gains, 40)]

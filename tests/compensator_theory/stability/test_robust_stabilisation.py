@@ -85,6 +85,7 @@ def signed_plants(draw):
     return polynomial(sympy.expand(N), "s"), polynomial(sympy.expand(D), "s")
 
 
+@pytest.mark.costly
 @fewer(1)
 @given(signed_plants(), st.sampled_from([1, -1]))
 def test_a_stable_compensator_stabilises(plant, feedback):

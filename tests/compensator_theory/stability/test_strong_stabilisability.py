@@ -156,6 +156,7 @@ def test_copies_of_a_plant_in_disguise(data, copies, discrete):
     assert decision.is_strongly_stabilisable == (copies % 2 == 0 or alone.is_strongly_stabilisable)
 
 
+@pytest.mark.costly
 @settings(max_examples=10)
 @given(st.data())
 def test_every_stabiliser_of_several_signals_has_the_poles_that_are_told(data):

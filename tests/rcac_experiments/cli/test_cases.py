@@ -57,6 +57,7 @@ def test_a_value_that_is_set_is_run_and_kept_and_checked(tmp_path):
     assert record["target"]["poles"] and record["steps"] == 80 and record["source"] == file
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("number", ["2.6", "2.7", "5.2"])
 def test_any_kept_run_is_checked_as_it_is(number, tmp_path):
     """With a saturation, several controllers, a command, a schedule."""

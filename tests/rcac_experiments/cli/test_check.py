@@ -480,6 +480,7 @@ def test_a_log_that_no_convention_explains_has_no_verdict_on_stability(tmp_path,
     assert "UNSTABLE" not in result.output and "closed loop is stable" not in result.output
 
 
+@pytest.mark.costly
 def test_the_problem_is_honoured_for_matrices_or_refused(tmp_path):
     """A servo log of a 2 x 2 plant: the option, the log and the file say the same."""
     A, B, C = np.diag([0.5, 0.3]), np.eye(2), np.array([[1.0, 0.2], [0.0, 1.0]])

@@ -131,6 +131,7 @@ def test_no_command_takes_another_sample_time_than_that_of_the_log(step_test, co
     assert "sample_time = 2. Leave sample_time out" in result.output
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("command", [("step",), ("design", "--assume", "--seeds", "1")])
 def test_the_report_of_a_resampled_log_states_its_error(step_test, command):
     result = rcac(command[0], step_test, *command[1:], "--resample", 1)
@@ -141,6 +142,7 @@ def test_the_report_of_a_resampled_log_states_its_error(step_test, command):
     assert record["log"]["notes"] == []
 
 
+@pytest.mark.costly
 def test_steps_are_no_seconds(step_test):
     result = rcac("step", step_test, "--time", "none")
     assert result.exit_code == 0 and " steps" in result.output

@@ -90,6 +90,7 @@ def test_list(rcac):
     assert not set(absent) & set(example_ids()) and set(numbers) == {*absent, *example_ids()}
 
 
+@pytest.mark.costly
 def test_report_of_an_example(rcac, tmp_path):
     picture = tmp_path / "sheet.png"
     result = rcac("verify", "4.7", "--plot", picture)
@@ -159,6 +160,7 @@ def test_what_the_exact_comparison_cannot_say(rcac, tmp_path, number, words):
     assert ("obstacle" in data) == (number != "2.6")
 
 
+@pytest.mark.costly
 def test_a_changing_plant(rcac, case, tmp_path):
     change = ("[signals]", "[[plant.changes]]\nstart = 200\ngain = 1.1\n\n[signals]")
     result = rcac("verify", case(USER_CASE, change), "--plot", tmp_path / "sheet.png")

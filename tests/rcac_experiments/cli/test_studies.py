@@ -28,6 +28,7 @@ def store(tmp_path_factory):
     return folder / "s"
 
 
+@pytest.mark.costly
 def test_the_same_command_again_has_nothing_to_do(store):
     before = read_table(store)
     result = rcac("sweep", store.parent / "study.toml", "-o", store, "--workers", 0, "--json")
@@ -36,6 +37,7 @@ def test_the_same_command_again_has_nothing_to_do(store):
     assert loaded["outcomes"] == {"completed": 24} and read_table(store) == before
 
 
+@pytest.mark.costly
 def test_show_groups_draws_and_exports(store, tmp_path):
     picture, table = tmp_path / "map.svg", tmp_path / "runs.csv"
     options = ["--by", "R_theta,n_c", "--measure", "radius", "--plot", picture, "--export", table]
@@ -49,6 +51,7 @@ def test_show_groups_draws_and_exports(store, tmp_path):
     assert loaded["groups"]["n_c"] == [3, 6] and loaded["groups"]["runs"] == [12, 12]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -70,6 +73,7 @@ def test_what_show_cannot_do_it_says(store, tmp_path, monkeypatch, arguments, wo
     assert result.exit_code == 2 and words in result.stderr
 
 
+@pytest.mark.costly
 def test_a_run_is_replayed(store, tmp_path):
     result = rcac("replay", store, 7, "--plot", tmp_path / "run.png")
     assert result.exit_code == 0 and "bit-identical to the stored run." in result.stdout
@@ -134,6 +138,7 @@ def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
     assert not (tmp_path / "s").exists()
 
 
+@pytest.mark.costly
 def test_an_old_store_is_converted(store, tmp_path):
     old, new = tmp_path / "old.sqlite", tmp_path / "new"
     old_stores.write(store, old)

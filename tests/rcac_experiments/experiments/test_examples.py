@@ -126,6 +126,7 @@ def test_5_6_is_decided_by_the_last_digits(verifications):
     assert not results["R_theta = 10"].diverged
 
 
+@pytest.mark.costly
 def test_6_5_both_inputs_are_one(verifications):
     """The two channels have the same G_f and start alike, so that they stay alike."""
     u = verifications["6.5"].main.first.run.u

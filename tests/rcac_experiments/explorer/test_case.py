@@ -149,6 +149,7 @@ def test_the_modules_of_the_package_are_those_of_the_sources():
     assert [len(code) for code in codes] == stored["lengths"]
 
 
+@pytest.mark.costly
 @needs_clang
 def test_the_same_compiler_gives_the_same_bytes():
     if compiling.compiler_version() != modules.stored()["compiler"]:

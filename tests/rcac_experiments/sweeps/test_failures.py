@@ -49,6 +49,7 @@ def test_memory_that_comes_back_gives_the_table_of_an_undisturbed_run(tmp_path, 
     assert read_table(store) == read_table(undisturbed)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("workers", [0, 1])
 def test_whatever_a_measure_raises_is_a_failure_of_its_run(tmp_path, workers, small_chunks):
     values = [*studies.ODD, 8.0]
@@ -121,6 +122,7 @@ def test_retries_are_bounded(tmp_path, retries, small_chunks, monkeypatch):
     assert progress.failed == 1 - retries and studies.COUNT["calls"] == 3 + retries
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("killed", [2, 100])
 def test_a_worker_that_is_killed_while_it_starts_is_replaced(tmp_path, killed, monkeypatch):
     started = []

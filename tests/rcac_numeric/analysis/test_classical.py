@@ -74,6 +74,7 @@ def assert_margins_hold(seed):
     return True
 
 
+@pytest.mark.costly
 @settings(max_examples=100)
 @given(seeds)
 def test_at_a_margin_the_poles_cross(seed):
@@ -89,6 +90,7 @@ def test_at_a_margin_the_poles_cross_in_10_000_loops(in_full):
         seed += 1
 
 
+@pytest.mark.costly
 @settings(max_examples=60)
 @given(seeds)
 def test_python_control_agrees_where_it_is_right(seed):

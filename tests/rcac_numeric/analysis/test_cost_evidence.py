@@ -98,6 +98,7 @@ def non_normal_loop(rng):
     return Plant(A=non_normal(rng, n, big), **matrices), compensator
 
 
+@pytest.mark.costly
 @mp.workdps(60)
 def test_strongly_non_normal_loops(in_full):
     rng = np.random.default_rng(1)

@@ -64,6 +64,7 @@ def assert_agree(mine, theirs):
     assert np.isclose(high, theirs.disk.gain[1], **CLOSE) if low > 1e-7 else high > 1e7
 
 
+@pytest.mark.costly
 @settings(max_examples=60)
 @given(loops("z"))
 # abs(L(-1)) > 1: whole steps of delay decide, with and without a crossover in the step.
@@ -86,6 +87,7 @@ def test_both_halves_agree_in_discrete_time(loop):
     assert_agree(mine, rcac.stability_margins((N, D), feedback=-1))
 
 
+@pytest.mark.costly
 @settings(max_examples=40)
 @given(loops("s", poles=st.lists(st.builds(Fraction, st.integers(-10, 3), st.sampled_from([2, 3])),
                                  min_size=1, max_size=4)))  # fmt: skip

@@ -22,6 +22,7 @@ def run_of(G, *, seed=0, steps=200, horizon=20, order=2, **options):
     return simulate(plant, settings, w)
 
 
+@pytest.mark.costly
 @given(
     st.lists(DIGITS, min_size=4, max_size=4), st.sampled_from(["moves", "u"]), st.integers(0, 99)
 )

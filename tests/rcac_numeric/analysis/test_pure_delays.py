@@ -94,6 +94,7 @@ def values(margins):
     return np.array([*numbers, disk.alpha, disk.S_peak, disk.T_peak])
 
 
+@pytest.mark.costly
 @settings(max_examples=25)
 @given(seeds, st.integers(1, 30))
 def test_the_margins_are_those_with_all_states(seed, steps):

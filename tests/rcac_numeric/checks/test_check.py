@@ -90,6 +90,7 @@ def logged(plant, structure, signals, steps=300, **options):
     return run
 
 
+@pytest.mark.costly
 @given(st.data())
 def test_replay_of_any_structure_size_and_weight_agrees(data):
     plant = data.draw(plants())

@@ -43,6 +43,7 @@ def runs_of(settings, steps):
             yield run
 
 
+@pytest.mark.costly
 def test_predictive_cost_is_advised_by_its_own_settings():
     names = set()
     for order, R in ((1, 1e-4), (1, 10.0), (3, 1e-3)):

@@ -179,6 +179,7 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
             assert np.abs(mixed.theta_final - single.theta_final).max() <= bounds["theta_final"]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("instruction_set", _kernel.instruction_sets())
 @pytest.mark.parametrize("n_c", [1, 4, 5, 10])
 def test_no_theta_leaves_its_ellipsoid_in_lanes(instruction_set, n_c):

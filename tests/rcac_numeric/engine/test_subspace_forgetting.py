@@ -95,6 +95,7 @@ def identification(update, lambda_, kind, count, seed):
     return drift, max(errors), errors[-1]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", ["zero", "sine", "tiny"])
 def test_nothing_winds_up_while_the_data_are_poor(kind, in_full):
     """Peak <= 1.1, error <= 10 % within 300 steps of the jump, drift <= 0.02."""

@@ -68,6 +68,7 @@ def test_example_8_4_with_bias(seeds):
         assert by_rcmr(seed, WORKING, bias=1e-2) < 0.03
 
 
+@pytest.mark.costly
 def test_example_8_5(in_full):
     """With the printed power the median of 20 seeds is nearly that of A_21 = 0, 0.109.
 

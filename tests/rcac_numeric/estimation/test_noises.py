@@ -85,6 +85,7 @@ def gradient(function, covariance):
     return zeros_of_plant
 
 
+@pytest.mark.costly
 @given(seed=seeds)
 def test_an_iteration_follows_the_gradient_of_the_likelihood(seed):
     """Q + 2/(N - 1) Q (dL/dQ) Q and R + 2/M R (dL/dR) R for M steps with a measurement: Fisher's

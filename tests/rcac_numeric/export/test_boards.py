@@ -116,6 +116,7 @@ int main(void) {
 """
 
 
+@pytest.mark.costly
 @pytest.mark.skipif(
     not (shutil.which("avr-gcc") and shutil.which("simavr")),
     reason="the tools for an AVR are not installed",

@@ -80,6 +80,7 @@ def draws(count):
     return settings(max_examples=count, phases=phases, suppress_health_check=list(HealthCheck))
 
 
+@pytest.mark.costly
 @draws(5)
 @given(core_settings(), seeds)
 def test_u_and_theta_are_those_of_the_controller(case, seed):
@@ -157,6 +158,7 @@ def test_a_target_model_that_is_set_while_it_runs(past, denominator):
     assert closed_loop(controller, core, Loop(PLANT, 0, 500, 3), 500, between) == 500
 
 
+@pytest.mark.costly
 @draws(3)
 @given(core_settings(strictly_proper=True), seeds)
 def test_what_an_actuator_left_of_u(case, seed):
@@ -215,6 +217,7 @@ def test_control_before_the_measurement():
         loop.move(k, u)
 
 
+@pytest.mark.costly
 def test_a_fixed_compensator():
     rng = np.random.default_rng(4)
     for l_u, l_y, order in ((1, 1, 3), (2, 1, 2), (1, 2, 0), (2, 2, 1)):

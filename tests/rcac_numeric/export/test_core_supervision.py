@@ -132,6 +132,7 @@ def hold_together(case, supervision, seed, strictly_proper, steps=150):
     return record.troubles
 
 
+@pytest.mark.costly
 @draws(4)
 @given(core_settings(strictly_proper=True), supervisions, seeds)
 def test_drawn_settings_with_missing_samples_and_an_actuator(case, supervision, seed):

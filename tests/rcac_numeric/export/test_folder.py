@@ -52,6 +52,7 @@ def contents(path):
     return {p.relative_to(path).as_posix(): p.read_bytes() for p in path.rglob("*") if p.is_file()}
 
 
+@pytest.mark.costly
 def test_the_same_settings_give_the_same_bytes(tmp_path):
     layouts = ["c", "arduino", "px4"]
     for name in ("a", "b"):
@@ -159,6 +160,7 @@ def test_the_vector_of_a_run_is_a_closed_loop():
     assert np.abs(result.u - run.u[: result.steps]).max() < 1e-6 * np.abs(run.u).max()
 
 
+@pytest.mark.costly
 @compiles
 def test_two_controllers_in_one_program(tmp_path):
     other = replace(SETTINGS, structure=fir(3), theta_0=None)

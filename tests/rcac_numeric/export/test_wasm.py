@@ -99,6 +99,7 @@ def test_the_bits_in_chromium(tmp_path, name):
     agree(json.loads(answer), recording, name)
 
 
+@pytest.mark.costly
 @pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed")
 @pytest.mark.parametrize("name", ["iir", "ellipsoid"])
 def test_the_bits_in_node(tmp_path, name):

@@ -34,6 +34,7 @@ def drawn(values, word="zero"):
     return axis, words, arrows
 
 
+@pytest.mark.costly
 @settings(max_examples=20)
 @given(st.lists(points, max_size=8))
 def test_every_point_is_a_mark_or_a_value(values):

@@ -46,6 +46,7 @@ def test_nothing_overlaps(burst, width, labels):
             assert not any(box.overlaps(other) for other in others)
 
 
+@pytest.mark.costly
 def test_ticks_fit_whatever_size_the_picture_is_given_later(burst):
     """Zero stays, decades give way."""
     figure = plot_runs([burst])

@@ -37,6 +37,7 @@ RECORDS = st.dictionaries(
 )
 
 
+@pytest.mark.costly
 @given(RECORDS)
 def test_json_is_strict_and_loses_only_what_json_lacks(record):
     text = as_json(Sheet("", sections=(Section(record=record),)))
