@@ -250,7 +250,7 @@ def with_clocks(
         clocks[topic] = None
         if time == "none":
             continue
-        unread = None
+        unread = _not_rising(columns) if time is None else None
         for chosen in _time_columns(columns, time if len(contents.topics) == 1 else None):
             if unread is not None and is_counter(chosen.name, chosen.unit):
                 continue
@@ -296,6 +296,19 @@ def _unread(columns: Sequence[LogColumn], name: str) -> Clock | None:
     column = next(c for c in columns if c.full_name == name)
     is_clock = is_time(column.name, column.unit) or np.mean(unread_stamps(column.texts)) < 0.5
     return unread_clock(column.full_name, column.texts, column.lines) if is_clock else None
+
+
+def _not_rising(columns: Sequence[LogColumn]) -> Clock | None:
+    """The refused clock of numbers whose name says that they are times, and which do not rise."""
+    for column in columns:
+        is_clock = is_time(column.name, column.unit)
+        is_clock &= column.name not in "tT" or bool(column.unit)
+        is_clock &= column.name.lower() != "date"  # the day of all rows
+        if not is_clock or not _is_vector(column) or _may_be_time(column):
+            continue
+        if column.values is not None:
+            return clock_of(column.values.ravel(), column.full_name, lines=column.lines)
+    return None
 
 
 def _is_vector(column: LogColumn) -> bool:

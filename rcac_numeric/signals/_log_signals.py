@@ -306,7 +306,7 @@ def _require_regular(source: str, clock: Clock) -> None:
         'take the rows as steps of equal distance with time="none" and sample_time',
     )
     remedies: tuple[str | Advice, ...] = ("Cut the log there; or ", counted)
-    if not np.isfinite(clock.times).all():
+    if not np.isfinite(clock.times).all() or not (d > 0).any():
         remedies = ("Mend it; or ", counted)
     elif clock.repeated:
         remedies = (resampled, "; or cut the log there")

@@ -261,6 +261,23 @@ def test_a_stamp_that_is_no_time_is_named(tmp_path, name, stamp, kind, at):
     assert read_log(log, time="none", sample_time=2.0).sample_time == 2.0
 
 
+@pytest.mark.parametrize("name", ["Time", "time [s]", "t [s]", "timestamp", "elapsed_time"])
+@pytest.mark.parametrize("times", [np.full(60, 5.0), 60.0 - np.arange(60)])
+def test_times_that_never_rise_are_no_steps(name, times):
+    """A stopped or a falling clock must not turn the seconds of a log into steps."""
+    frame = pandas.DataFrame({name: times, "u": 1.0, "y": np.arange(60.0)})
+    with pytest.raises(InputError, match=r"in every row|turns back"):
+        read_log(frame)
+    assert read_log(frame, time="none", sample_time=2.0).sample_time == 2.0
+    assert read_log(frame.assign(k=0.5 * np.arange(60)), time="k").sample_time == 0.5
+
+
+@pytest.mark.parametrize("name", ["T", "t", "Date", "timer"])
+def test_signals_that_fall_are_no_clock(name):
+    frame = pandas.DataFrame({name: 60.0 - np.arange(60), "u": 1.0, "y": np.arange(60.0)})
+    assert read_log(frame).sample_time is None
+
+
 def test_texts_beside_another_clock_are_no_clock():
     frame = pandas.DataFrame({"Date": ["today"] * 60, "t": 0.5 * np.arange(60), "u": 1.0, "y": 2.0})
     assert read_log(frame).sample_time == 0.5
