@@ -326,9 +326,10 @@ class ProcessSearch:
             starts.append(Start(A, one.B, one.delay, none, summed=True))
         summed = np.cumsum(self.record.u)
         pairs = pole_starts(self.record, self.record.y, summed, self.costs)
-        starts += [
-            Start(one.A, one.B, one.delay, none, summed=True) for one in (pairs[0][0], pairs[1][0])
-        ]
+        scans = [pairs[0][0], pairs[1][0]]
+        if self.record.moves <= FEW:  # every dead time has a local minimum
+            scans = [one for pair in pairs for one in pair]
+        starts += [Start(one.A, one.B, one.delay, none, summed=True) for one in scans]
         short: list[ProcessFit] = []
         first = len(self.fits)
         for start in starts:

@@ -258,6 +258,19 @@ def test_a_slope_beside_an_early_step_is_no_pole_at_1(drift):
     assert any(np.abs(one.poles).max() < 0.95 for one in sloped)
 
 
+@pytest.mark.parametrize("seed", [8, 11, 23])
+def test_after_one_early_step_an_integrating_plant_is_credible_beside_a_slope(seed):
+    """A plant with a pole at 1: a controller for a slope of the disturbance may lose it."""
+    rng, steps = np.random.default_rng(seed), 1000
+    u = np.asarray(np.arange(steps) >= 10, dtype=np.float64)
+    y = lfilter([0, 0.05, 0.04], np.convolve([1, -1], [1, -0.53]), u)
+    y += 0.5 * rng.standard_normal(steps)
+    spikes = rng.choice(steps, steps // 200, replace=False)
+    y[spikes] += 15 * rng.standard_normal(len(spikes))
+    search = search_of(u, y, None)
+    assert any(one.summed for one in search.distinct)
+
+
 def test_a_credible_unstable_model_must_be_held_with_a_margin():
     """x(k+1) = 1.05 x(k) + u(k): a gain just above 0.05 holds it, one of 0.3 robustly."""
     for gain, passes in ((0.051, False), (0.3, True)):
