@@ -23,6 +23,7 @@ from rcac_numeric.identification._process_evidence import (
     misfit,
     relative_deviation,
     sign_gate,
+    with_faster_pole,
 )
 from rcac_numeric.identification._process_records import ProcessRecord
 from rcac_numeric.identification._process_search import ProcessSearch
@@ -39,7 +40,7 @@ class Rival:
     plant: DesignPlant
     order: int
     delay: int
-    is_unstable: bool
+    is_unstable: bool  # and must be held with a margin
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,20 +164,29 @@ def lost_plants(
 def rivals_of(
     search: ProcessSearch, fit: ProcessFit, sample_time: float | None, every: int
 ) -> list[Rival]:
-    """The other credible models, and the model with its other credible delays."""
+    """The other credible models, and the model with its other credible delays.
+
+    Of each unstable one, the model itself included, also the plant with its unstable pole at the
+    end of its interval.
+    """
     unit_u, unit_y = search.record.units
     models: dict[tuple[object, ...], tuple[Array, Array, int]] = {}
     for one in [*search.fits, *search.jumped]:
-        if one is not fit and search.credible(one):
+        if not search.credible(one):
+            continue
+        if one is not fit:
             models.setdefault(one.key, (one.B, one.denominator, one.delay))
+        if one.is_unstable and ("fastest", one.key) not in models:
+            moved = with_faster_pole(search.record, one)
+            models["fastest", one.key] = (moved.B, moved.denominator, one.delay)
     for B, delay in credible_delays(search, fit):
         models.setdefault(("delay", delay), (B, fit.denominator, delay))
     return [
         Rival(
             design_plant(B, A, delay, unit_y / unit_u, sample_time, every), len(A) - 1, delay,
-            bool((np.abs(np.roots(A)) > UNSTABLE).any()),
+            key[0] != "fastest" and bool((np.abs(np.roots(A)) > UNSTABLE).any()),
         )
-        for B, A, delay in models.values()
+        for key, (B, A, delay) in models.items()
     ]  # fmt: skip
 
 

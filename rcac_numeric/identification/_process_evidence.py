@@ -40,6 +40,7 @@ from rcac_numeric.identification._process_search import (
 SURE = float(np.sqrt(np.log(1e4)))  # P(abs(x) > SURE) = 1e-4, complex Gaussian x of E abs(x)^2 = 1
 KNOWN = 1 / SURE  # largest relative standard deviation of the gain around the crossover
 MOST_JUMPS = 3
+FASTER = 2.0  # standard deviations
 MISFIT = 1e-4  # level of the test of e against past u
 COLOUR = 8  # order of the autoregression of e
 LAGS = 25  # of u beyond the delay, in that test
@@ -118,6 +119,24 @@ def parameter_covariance(record: ProcessRecord, fit: ProcessFit) -> Array:
         return np.full((count, count), np.inf)
     block = (covariance / size / size[:, None])[:count, :count]
     return np.asarray(block * variance_of(record, fit))
+
+
+def with_faster_pole(record: ProcessRecord, fit: ProcessFit) -> ProcessFit:
+    """The model with its largest pole `FASTER` standard deviations farther out, A and B beside it.
+
+    They are the likeliest ones with that pole, to the first order of the covariance.
+    """
+    covariance = parameter_covariance(record, fit)
+    poles, n = np.roots(fit.A), fit.order
+    pole = poles[int(np.abs(poles).argmax())]
+    by = -(pole ** np.arange(n - 1, -1, -1)) / np.polyval(np.polyder(fit.A), pole)
+    slope = np.real(by * np.conj(pole)) / abs(pole)  # of the modulus
+    onto = covariance[:, :n] @ slope
+    deviation = float(np.sqrt(max(float(slope @ onto[:n]), 0.0)))
+    if not (np.isfinite(covariance).all() and deviation > 0):
+        return fit
+    moved = np.concatenate([fit.A[1:], fit.B]) + FASTER / deviation * onto
+    return replace(fit, A=np.concatenate([ONE, moved[:n]]), B=moved[n:])
 
 
 def variance_of(record: ProcessRecord, fit: ProcessFit) -> float:

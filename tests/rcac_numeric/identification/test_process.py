@@ -16,6 +16,7 @@ from rcac_numeric.identification import identify_process
 from rcac_numeric.identification._box_jenkins import (
     ONE,
     NoiseModel,
+    ProcessFit,
     Start,
     _is_within,
     confined,
@@ -25,7 +26,13 @@ from rcac_numeric.identification._box_jenkins import (
 from rcac_numeric.identification._delay_scan import delay_scan
 from rcac_numeric.identification._prediction_error import ODDS, _odds_of_cause, leads
 from rcac_numeric.identification._process import search_of
-from rcac_numeric.identification._process_evidence import KNOWN, OMEGA, feedthrough_gate
+from rcac_numeric.identification._process_evidence import (
+    KNOWN,
+    OMEGA,
+    feedthrough_gate,
+    parameter_covariance,
+    with_faster_pole,
+)
 from rcac_numeric.identification._process_records import (
     _gauss,
     _student,
@@ -271,21 +278,52 @@ def test_after_one_early_step_an_integrating_plant_is_credible_beside_a_slope(se
     assert any(one.summed for one in search.distinct)
 
 
-def test_a_credible_unstable_model_must_be_held_with_a_margin():
-    """x(k+1) = 1.05 x(k) + u(k): a gain just above 0.05 holds it, one of 0.3 robustly."""
-    for gain, passes in ((0.051, False), (0.3, True)):
-        record = process_record(np.arange(40.0) % 7, np.arange(40.0) % 5)
-        one = SimpleNamespace(
-            key=(), B=ONE * record.units[0] / record.units[1], denominator=np.array([1, -1.05]),
-            delay=0,
-        )  # fmt: skip
-        search = SimpleNamespace(
-            record=record, fits=[one], jumped=[], credible=lambda fit: True, is_known=True
-        )
-        fit = SimpleNamespace(armax=True, B=one.B, denominator=np.array([1, -0.5]), delay=0)
-        K = Compensator(np.zeros((0, 1, 1)), [[[gain]]])
-        loop = GateLoop(K, np.ones(len(OMEGA)), 0.1)
-        assert rivals_gate(loop, rivals_of(search, fit, None, 1)).passed is passes
+@pytest.mark.parametrize(
+    ("gain", "deviation", "passes"),
+    [(0.051, 1e-6, False), (0.3, 1e-6, True), (0.3, 0.05, True), (0.3, 0.2, False)],
+)
+def test_a_credible_unstable_model_must_be_held_with_a_margin(gain, deviation, passes):
+    """x(k+1) = 1.05 x(k) + u(k): a gain just above 0.05 holds it, one of 0.3 robustly.
+
+    And with a pole two standard deviations farther out: 1.15 minus 0.3, and not 1.45.
+    """
+    record = process_record(np.arange(40.0) % 7, np.arange(40.0) % 5)
+    e = np.ones(40)
+    jacobian = np.zeros((2, 40))
+    jacobian[0, 0], jacobian[1, 1] = 1 / deviation, 1e6
+    one = ProcessFit(
+        np.array([1, -1.05]), ONE * record.units[0] / record.units[1], 0, NoiseModel(ONE, ONE, 0),
+        False, False, True, 0.0, 0, e, jacobian, 2, 0.0, False,
+    )  # fmt: skip
+    search = SimpleNamespace(
+        record=record, fits=[one], jumped=[], credible=lambda fit: True, is_known=True
+    )
+    fit = SimpleNamespace(armax=True, B=one.B, denominator=np.array([1, -0.5]), delay=0)
+    K = Compensator(np.zeros((0, 1, 1)), [[[gain]]])
+    loop = GateLoop(K, np.ones(len(OMEGA)), 0.1)
+    assert rivals_gate(loop, rivals_of(search, fit, None, 1)).passed is passes
+
+
+@given(seed=seeds)
+def test_a_faster_pole_is_that_of_the_likeliest_coefficients_with_it(seed):
+    """Of draws from the covariance those with the pole at the end of its interval, on average."""
+    rng = np.random.default_rng(seed)
+    record = process_record(np.arange(40.0) % 7, np.arange(40.0) % 5)
+    size = 1e3 * np.exp(rng.uniform(-1, 1, (3, 1)))
+    fit = ProcessFit(
+        np.array([1, -1.02 - 0.5, 1.02 * 0.5]), np.array([0.3]), 0, NoiseModel(ONE, ONE, 0),
+        False, False, True, 0.0, 0, np.ones(40), size * rng.standard_normal((3, 40)), 3, 0.0, False,
+    )  # fmt: skip
+    covariance = parameter_covariance(record, fit)
+    draws = rng.multivariate_normal(np.r_[fit.A[1:], fit.B], covariance, 4000)
+    poles = np.array([np.roots([1, *one[:2]]).real.max() for one in draws])
+    end = poles.mean() + 2 * poles.std()
+    moved = with_faster_pole(record, fit)
+    assert np.roots(moved.A).max() == pytest.approx(end, abs=0.2 * poles.std())
+    slope = np.cov(draws.T, poles)[:3, 3] / poles.var()  # regression on the pole
+    expected = np.r_[fit.A[1:], fit.B] + 2 * poles.std() * slope
+    spread = np.sqrt(np.diag(covariance))
+    assert np.abs((np.r_[moved.A[1:], moved.B] - expected) / spread).max() < 0.2
 
 
 @given(
