@@ -36,13 +36,7 @@ from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
-from rcac_numeric.designing._expected import (
-    LONGEST,
-    UNKNOWN,
-    Expected,
-    RecordedSizes,
-    read_expected,
-)
+from rcac_numeric.designing._expected import LONGEST, UNKNOWN, Expected, read_expected
 from rcac_numeric.designing._logs import TRIED, LoggedPlant, LogSearch
 from rcac_numeric.designing._matrix_logs import LoggedMatrix, search_of_logs
 from rcac_numeric.designing._plants import (
@@ -60,11 +54,7 @@ from rcac_numeric.designing._reduced import (
 )
 from rcac_numeric.designing._reference import MOST, Reference, WeightGrid, sensitivity_peak
 from rcac_numeric.designing._simc import simc
-from rcac_numeric.designing._step_tests import (
-    plant_of_step,
-    sizes_of_step,
-    uncertainty_of_step,
-)
+from rcac_numeric.designing._step_tests import plant_of_step, uncertainty_of_step
 from rcac_numeric.designing._trials import (
     BOXED,
     FIXED,
@@ -413,8 +403,8 @@ def design(
         A log of several u and y, or with gaps, and a list of logs, one for each experiment, have
         that of `identify_process_matrix`.
         What the model leaves of y is noise and disturbance unless they are given, and the gain is
-        as uncertain as halves of the log disagree. A `StepResponse` brings dead time, noise,
-        disturbance and uncertainty alike; `sample_time` is its `control_period` by default.
+        as uncertain as halves of the log disagree. A `StepResponse` brings dead time, noise and
+        uncertainty; `sample_time` is its `control_period` by default.
     disturbance : "unknown", number, Signal or None
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
         the size of one that is not known otherwise; 0 or None where there is none, and a command.
@@ -549,9 +539,8 @@ def _basis_of_step(
     """The plant of a step test, as uncertain as its intervals and at least as usual."""
     period = step.control_period if sample_time is None else number(sample_time, "sample_time")
     model = plant_of_step(step, period, dead_time if np.any(dead_time) else None)
-    return _basis_of(
-        model, uncertainty_of_step(step, period), around, sizes=sizes_of_step(step, model)
-    )
+    noise = step.residual if around.noise is None else around.noise
+    return _basis_of(model, uncertainty_of_step(step, period), replace(around, noise=noise))
 
 
 @dataclass(frozen=True)
@@ -600,7 +589,6 @@ class _Basis:
     rivals: int = 0  # credible models of the log that slowed the controller down
     truncation: tuple[str, str] | None = None  # assumption and evidence, for a plant of many states
     blocked: tuple[float, ...] = ()  # frequencies of d that a zero of the plant blocks
-    is_recorded: bool = False  # the plant comes from a record, which shows noise and disturbance
 
 
 def _basis_of(
@@ -609,14 +597,11 @@ def _basis_of(
     around: _DesignOptions,
     logged: LoggedPlant | LoggedMatrix | None = None,
     rivals: Sequence[DesignPlant] = (),
-    sizes: RecordedSizes | None = None,
 ) -> _Basis:
-    """The reference loop of a plant; `sizes` are those of the record that it comes from."""
     refuse_states(model)
     u_range = _range(around.saturation)
-    sizes = sizes if logged is None else logged.sizes
     expected, assumed = _expected(
-        sizes, around.disturbance, around.noise, around.command, u_range, model
+        logged, around.disturbance, around.noise, around.command, u_range, model
     )
     uncertain = around.uncertainty or usual
     cases = variations(model, uncertain)
@@ -638,9 +623,8 @@ def _basis_of(
     if around.feedforward:
         reference = with_feedforward(model, reference, expected)
     return _Basis(
-        model, uncertain, expected, assumed, cases, reference, logged, blocked=grid.blocked,
-        is_recorded=sizes is not None,
-    )  # fmt: skip
+        model, uncertain, expected, assumed, cases, reference, logged, blocked=grid.blocked
+    )
 
 
 def _reference_of(grid: WeightGrid, structure: Structure | None) -> Reference:
@@ -771,15 +755,15 @@ def _slower_basis(
 
 
 def _expected(
-    sizes: RecordedSizes | None, disturbance: Any, noise: float | None, command: Any,
+    logged: LoggedPlant | LoggedMatrix | None, disturbance: Any, noise: float | None, command: Any,
     u_range: float, model: DesignPlant,
 ) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
-    """As `read_expected`, with defaults from the record of the plant if there is one."""
-    if sizes is None:
+    """As `read_expected`, with defaults from the log if there is one."""
+    if logged is None:
         return read_expected(disturbance, noise, command, u_range, model.low_gain, model.m)
     is_unspecified = isinstance(disturbance, str) and disturbance == UNKNOWN
-    size = sizes.disturbance if is_unspecified else disturbance
-    sensor = sizes.noise if noise is None else noise
+    size = logged.disturbance if is_unspecified else disturbance
+    sensor = logged.noise if noise is None else noise
     expected, assumed = read_expected(size, sensor, command, u_range, model.low_gain, model.m)
     return expected, (
         *assumed,
@@ -999,15 +983,9 @@ def _questions(
     ]  # fmt: skip
     if "disturbance" in assumed:
         size = " and of size" if "size" in assumed else ", of size"
-        origin = ""
-        if "size" in assumed and basis.is_recorded:
-            origin = (
-                "as large as what the model leaves of y in the record: a larger one that the "
-                "record does not show, disturbance=SIZE, makes the controller faster; "
-            )
         questions.append((
             "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
-            origin + "a known step, sinusoid or spectrum improves the design more than any tuning",
+            "a known step, sinusoid or spectrum improves the design more than any tuning",
         ))  # fmt: skip
     for omega in basis.blocked:
         at, signal = "at rest, z = 1 (s = 0)", "a constant"

@@ -26,30 +26,6 @@ LONGEST = 20_000  # steps of one trial
 SHARE = 0.2  # of the actuator's range: the default disturbance
 
 
-@dataclass(frozen=True)
-class RecordedSizes:
-    """The sizes of noise and disturbance by what a model leaves of y in its record.
-
-    Attributes
-    ----------
-    noise : float
-        Standard deviation of the white part of the residual at most, in units of y.
-    disturbance : float
-        That of the remainder, and at least of the noise, over the plant's gain: in units of u.
-    """
-
-    noise: float
-    disturbance: float
-
-
-def recorded_sizes(residual: Array, gain: float) -> RecordedSizes:
-    """The sizes that a residual of y shows; neighbours of a white one differ by sqrt(2) of it."""
-    size = float(np.std(residual))
-    noise = min(float(np.std(np.diff(residual)) / np.sqrt(2)), size)
-    rest = float(np.sqrt(max(size**2 - noise**2, 0.0)))
-    return RecordedSizes(noise, max(rest, noise) / gain)
-
-
 @dataclass(frozen=True, eq=False)
 class Expected(Value):
     """The exogenous input w = [r; d; v] of the servo problem, as far as it is known.

@@ -14,7 +14,6 @@ from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.controllers._compensator import Compensator
-from rcac_numeric.designing._expected import RecordedSizes, recorded_sizes
 from rcac_numeric.designing._log_gates import (
     Part,
     controller_gates,
@@ -63,19 +62,6 @@ class PartsOfALog(Result):
         @property
         def gains(self) -> tuple[float, ...]: ...
 
-        @property
-        def sizes(self) -> RecordedSizes: ...
-
-    @property
-    def noise(self) -> float:
-        """Standard deviation of the sensor noise by the residual, in units of y."""
-        return self.sizes.noise
-
-    @property
-    def disturbance(self) -> float:
-        """Size of the disturbance by the residual, in units of u."""
-        return self.sizes.disturbance
-
     @property
     def uncertainty(self) -> Uncertainty:
         """The default uncertainty, with the range of gains of the parts."""
@@ -105,8 +91,10 @@ class LoggedPlant(PartsOfALog):
         With its gates, those that need a controller included once it exists.
     parts : tuple of DesignPlant or None
         The model fitted again to each half of the log; None where a half does not determine it.
-    sizes : RecordedSizes
-        Of noise and disturbance, by the residual.
+    noise : float
+        Standard deviation of the white part of the residual at most, in units of y.
+    disturbance : float
+        Size of the remainder, in units of u.
     u : (float, float)
         The least and the largest control of the log.
     is_closed : bool
@@ -119,7 +107,8 @@ class LoggedPlant(PartsOfALog):
     plant: DesignPlant
     model: ProcessModel
     parts: tuple[DesignPlant | None, ...]
-    sizes: RecordedSizes
+    noise: float
+    disturbance: float
     u: tuple[float, float]
     is_closed: bool = False
     every: int = 1
@@ -237,11 +226,14 @@ class LogSearch:
         if not plant.low_gain > 0:
             raise InputError("the model of the log has gain 0: u has no effect on y.")
         parts = tuple(plant for _, plant in self.parts(fit))
-        sizes = recorded_sizes(model.residual, plant.low_gain)
+        e = model.residual
+        noise = min(float(np.std(np.diff(e)) / np.sqrt(2)), float(np.std(e)))
+        rest = float(np.sqrt(max(float(np.var(e)) - noise**2, 0.0)))
+        size = max(rest, noise) / plant.low_gain
         limits = float(log.u.min()), float(log.u.max())
         return LoggedPlant(
-            plant, model, parts, sizes, limits, self.is_closed, rows_a_step(fit.delay)
-        )
+            plant, model, parts, noise, size, limits, self.is_closed, rows_a_step(fit.delay)
+        )  # fmt: skip
 
     def parts(self, fit: ProcessFit) -> list[tuple[Part, DesignPlant | None]]:
         """The model fitted to each half, and its plant where the half knows the gain."""

@@ -14,7 +14,6 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.controllers._compensator import Compensator
-from rcac_numeric.designing._expected import RecordedSizes, recorded_sizes
 from rcac_numeric.designing._log_gates import LOW as BELOW
 from rcac_numeric.designing._log_gates import ROBUST as MOST_PEAK
 from rcac_numeric.designing._log_gates import design_plant
@@ -78,8 +77,11 @@ class LoggedMatrix(PartsOfALog):
     model : ProcessMatrix
     parts : tuple of DesignPlant
         The model fitted again to each experiment, or to halves of the only one.
-    sizes : RecordedSizes
-        Of noise and disturbance, by the residuals; the root mean square over the outputs.
+    noise : float
+        Standard deviation of the white part of the residuals at most, in units of y; the root mean
+        square of the outputs.
+    disturbance : float
+        Size of the remainder, in units of u.
     u : (float, float)
         The least and the largest control of the logs.
     is_closed : bool
@@ -91,7 +93,8 @@ class LoggedMatrix(PartsOfALog):
     plant: DesignPlant
     model: ProcessMatrix
     parts: tuple[DesignPlant, ...]
-    sizes: RecordedSizes
+    noise: float
+    disturbance: float
     u: tuple[float, float]
     is_closed: bool = False
     every: int = 1
@@ -224,13 +227,13 @@ class MatrixLogSearch:
         sizes = []
         for i, (one, fit) in enumerate(zip(search.searches, fits, strict=True)):
             e = joint_residual(one.record, fit) * one.record.unit_y
-            sizes.append(recorded_sizes(e, float(np.linalg.norm(plant.response(LOW)[0, i]))))
-        mean = RecordedSizes(
-            float(np.sqrt(np.mean([one.noise**2 for one in sizes]))),
-            float(np.sqrt(np.mean([one.disturbance**2 for one in sizes]))),
-        )
+            noise = min(float(np.std(np.diff(e)) / np.sqrt(2)), float(np.std(e)))
+            rest = float(np.sqrt(max(float(np.var(e)) - noise**2, 0.0)))
+            gain = float(np.linalg.norm(plant.response(LOW)[0, i]))
+            sizes.append((noise, max(rest, noise) / gain))
+        noise, size = (float(np.sqrt(np.mean(np.square(one)))) for one in zip(*sizes, strict=True))
         parts = tuple(self.plant(part, every) for part in self.parts(fits))
-        return LoggedMatrix(plant, model, parts, mean, self.range, self.is_closed, every)
+        return LoggedMatrix(plant, model, parts, noise, size, self.range, self.is_closed, every)
 
     def parts(self, fits: tuple[JointFit, ...]) -> list[tuple[JointFit, ...]]:
         """The models fitted to each experiment or half, where it knows their gains."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from rcac_numeric.designing._expected import RecordedSizes, recorded_sizes
 from rcac_numeric.designing._plants import DesignPlant, Uncertainty, read_plant
 from rcac_numeric.identification._step_response import StepResponse
 
@@ -16,11 +15,6 @@ def plant_of_step(
 ) -> DesignPlant:
     """The sampled plant, with the identified dead time or another one."""
     return read_plant(step.plant, period, step.dead_time if dead_time is None else dead_time)
-
-
-def sizes_of_step(step: StepResponse, plant: DesignPlant) -> RecordedSizes:
-    """Noise and disturbance by the residual of the step test, as those of a log."""
-    return recorded_sizes(step.y - step.response, plant.low_gain)
 
 
 def uncertainty_of_step(step: StepResponse, period: float) -> Uncertainty:

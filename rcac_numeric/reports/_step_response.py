@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rcac_numeric.designing._plants import Uncertainty
-from rcac_numeric.designing._step_tests import plant_of_step, sizes_of_step, uncertainty_of_step
+from rcac_numeric.designing._step_tests import uncertainty_of_step
 from rcac_numeric.identification._step_response import StepResponse
 from rcac_numeric.reports._sheet import Fact, Section, Sheet
 
@@ -49,13 +49,11 @@ def design_command(step: StepResponse) -> str:
     """The command that designs a controller; what no step test shows stands as a placeholder."""
     if not step.sample_time:
         return "the same command with --sample-time SECONDS; rcac design needs seconds"
-    period = step.control_period
-    uncertain = uncertainty_of_step(step, period)
-    sizes = sizes_of_step(step, plant_of_step(step, period))
+    uncertain = uncertainty_of_step(step, step.control_period)
     low, high = uncertain.gain
     words = (
         f'rcac design "{step.plant}" --dead-time {step.dead_time:.4g} --sample-time '
-        f"{step.control_period:.4g} --noise {sizes.noise:.2g} --disturbance {sizes.disturbance:.2g}"
+        f"{step.control_period:.4g} --noise {step.residual:.2g}"
     )
     usual = Uncertainty()
     if uncertain.gain != usual.gain:
@@ -64,8 +62,8 @@ def design_command(step: StepResponse) -> str:
         words += f" --uncertain-delay {uncertain.delay}"
     if uncertain.time != usual.time:
         words += f" --uncertain-time {uncertain.time:.3g}"
-    # Without them the command asks, and refuses where no terminal can answer.
-    return f"{words} --u-limits LOW,HIGH"
+    # Without these the command asks, and refuses where no terminal can answer.
+    return f"{words} --disturbance SIZE --u-limits LOW,HIGH"
 
 
 def _with_dead_time(step: StepResponse) -> str:

@@ -17,7 +17,6 @@ from rcac_numeric.designing._design import _basis_of_log, _DesignOptions
 from rcac_numeric.designing._logs import PARTS, LogSearch, plant_from_log
 from rcac_numeric.designing._plants import read_plant, slower_plant
 from rcac_numeric.designing._reference import WeightGrid, sensitivity_peak
-from rcac_numeric.identification import identify_step_response
 
 TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
 QUICK = {"seeds": 1, "steps": 300}
@@ -350,30 +349,3 @@ def test_a_dead_time_of_hundreds_of_rows_has_a_controller_that_skips_rows(has_ga
     true = slower_plant(replace(read_plant("0.04/(q - 0.96)", None, 0), delay=150), 5)
     loop = rn.ClosedLoop(true.servo(), basis.reference.compensator)
     assert sensitivity_peak(loop) < 2.5
-
-
-@pytest.mark.costly
-def test_a_step_test_and_its_log_expect_the_same_disturbance_and_have_like_controllers():
-    rng = np.random.default_rng(7)
-    t = 2.0 * np.arange(400)
-    u = np.where(t < 120, 40.0, np.where(t < 500, 60.0, 50.0))
-
-    def rise(s):
-        return 1 - np.exp(-np.maximum(s - 18, 0) / 60)
-
-    y = 23.5 + 0.62 * (20 * rise(t - 120) - 10 * rise(t - 500)) + 0.15 * rng.standard_normal(400)
-    log = rn.ControllerLog(u, y, sample_time=2.0)
-    step = identify_step_response(log)
-    by_step, by_log = (rn.design(one, sample_time=2.0, **QUICK) for one in (step, log))
-    assert by_step.expected.noise == pytest.approx(by_log.expected.noise, rel=0.05)
-    size = by_log.expected.disturbance_size
-    assert by_step.expected.disturbance_size == pytest.approx(size, rel=0.1)
-    # One weight grid for both: gains at rest of the same size, not 70 times as large.
-    gains = [np.abs(one.fixed.compensator.past_y).max() for one in (by_step, by_log)]
-    assert 0.5 < gains[0] / gains[1] < 2.0
-    for one in (by_step, by_log):
-        words = next(q.words for q in one.questions if q.name == "disturbance")
-        assert "the model leaves of y" in words and "disturbance=SIZE" in words
-    stated = rn.design(step, disturbance=2.0, sample_time=2.0, **QUICK)
-    words = next(q.words for q in stated.questions if q.name == "disturbance")
-    assert stated.expected.disturbance_size == 2.0 and "leaves of y" not in words
