@@ -983,9 +983,15 @@ def _questions(
     ]  # fmt: skip
     if "disturbance" in assumed:
         size = " and of size" if "size" in assumed else ", of size"
+        origin = ""
+        if "size" in assumed and basis.logged is not None:
+            origin = (
+                "as large as what the model leaves of y in the log; the size of a larger one in "
+                "place of unknown makes the controller faster; "
+            )
         questions.append((
             "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
-            "a known step, sinusoid or spectrum improves the design more than any tuning",
+            origin + "a known step, sinusoid or spectrum improves the design more than any tuning",
         ))  # fmt: skip
     for omega in basis.blocked:
         at, signal = "at rest, z = 1 (s = 0)", "a constant"

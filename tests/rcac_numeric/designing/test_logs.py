@@ -12,6 +12,7 @@ from compensator_theory.errors import (
     NoSolutionError,
     UndecidedError,
 )
+from rcac_numeric.analysis._peaks import responses_of
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._design import _basis_of_log, _DesignOptions
 from rcac_numeric.designing._logs import PARTS, LogSearch, plant_from_log
@@ -44,6 +45,16 @@ def test_the_controller_is_one_for_the_plant_of_the_log(from_log):
     ) and from_log.plant.sample_time == 0.5
     assert from_log.model.low_gain == pytest.approx(true.low_gain, rel=0.05)
     assert sensitivity_peak(rn.ClosedLoop(true.servo(), from_log.fixed.compensator)) < 2.5
+
+
+@pytest.mark.costly
+def test_a_larger_disturbance_than_that_of_the_log_makes_the_controller_faster(from_log):
+    size = 100 * from_log.logged.disturbance
+    faster = rn.design(log_of(), sample_time=0.5, disturbance=size, **QUICK)
+    low = np.array([1e-3, 1e-2])
+    parts = [one.fixed.compensator.state_space() for one in (from_log, faster)]
+    gains = [np.abs(responses_of(one, low)).ravel() for one in parts]
+    assert (gains[1] > 2 * gains[0]).all()
 
 
 def test_what_the_log_shows_of_itself_is_evidence(from_log):
