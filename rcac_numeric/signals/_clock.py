@@ -161,7 +161,7 @@ def clock_of(
         return refused(f"{column} has no stamp in {place_of(first, lines)}")
     d = np.diff(times)
     if not d.any():
-        return refused(f"{column} is {times[0]:.9g} in every row, which gives no sample time")
+        return refused(f"{column} has the same stamp in every row, which gives no sample time")
     turning = int(np.count_nonzero(d < 0))
     if turning:
         first = int(np.argmax(d < 0))
