@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -58,6 +60,8 @@ HIDDEN = 1e-9  # of the largest singular value: a mode that is not controllable,
 FALLS = 0.2  # of the gain ten times as far from the zero, where a zero leaves a tenth
 
 Models = dict[str, tuple[float, float]]
+Weights = tuple[float, float]  # R_2 and V_2
+Candidates = Mapping[Weights, StateSpace]
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,6 +167,9 @@ class LoopEvaluation:
         return True, float(self.lost), self.peak
 
 
+Evaluated = tuple[LoopEvaluation, float, float]
+
+
 class WeightGrid:
     """The LQG controllers of a plant on a grid of weights, and their evaluation.
 
@@ -196,25 +203,22 @@ class WeightGrid:
         self.instead = [_in_units(plant, self.units, one) for one in others]
         self.instead += [_in_units(one, self.units) for one in rivals]
 
-    def judged(self, parts: StateSpace, most: float = np.inf) -> LoopEvaluation:
-        """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid.
-
-        Above `most` the peak is a lower bound, and nothing else is computed; with a finite `most`
-        error and control are not computed either where a plant is lost.
-        """
+    def judged(self, parts: StateSpace) -> LoopEvaluation:
+        """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid."""
         try:
-            peak = _peak(self.scaled, parts, most)
-            if peak > most:
-                return LoopEvaluation(len(self.instead) + 1, peak)
             lost = sum(not loop_radius(other, parts) < 1 for other in self.instead)
             lost += not loop_radius(self.scaled, parts) < SLOWEST
-            if not np.isfinite(peak) or (lost and np.isfinite(most)):
+            peak = _peak(self.scaled, parts)
+            if not np.isfinite(peak):
                 return LoopEvaluation(lost, peak)
-            noise = {**self.noise, "v": self.noise_variance}
-            e, u = _powers(self.scaled, self.models, parts, noise)
+            return LoopEvaluation(lost, peak, *self._powers(parts), self.most_u**2)
         except CompensatorError:
             return LoopEvaluation(len(self.instead) + 1, np.inf)
-        return LoopEvaluation(lost, peak, e, u, self.most_u**2)
+
+    def _powers(self, parts: StateSpace) -> tuple[float, float]:
+        """E[e_0^2] and E[(u + b)^2] under the expected signals."""
+        noise = {**self.noise, "v": self.noise_variance}
+        return _powers(self.scaled, self.models, parts, noise)
 
     def candidates(self) -> Iterator[tuple[float, float, StateSpace]]:
         """Yield R_2, V_2 and the LQG controller of every candidate that exists."""
@@ -281,36 +285,74 @@ class WeightGrid:
         """The robust controller with nearly the least error, else the most robust one.
 
         Among those within a tenth of the least error the one with the least u; with limits of u,
-        runs with them decide.
+        runs with them decide. One that loses a rival is none.
         """
-        candidates = {(R_2, V_2): parts for R_2, V_2, parts in self.candidates()}
-        evaluations = [
-            (self.judged(parts, MOST), *weights) for weights, parts in candidates.items()
-        ]
-        robust = [one for one in evaluations if not one[0].safe[0]]
-        if robust and self.saturation is None:  # the others are not needed
-            try:
-                return self._first(robust, candidates)
-            except NoSolutionError:
-                pass
-        evaluations = [
-            one if not one[0].peak > MOST else (self.judged(candidates[one[1:]]), *one[1:])
-            for one in evaluations
-        ]
-        return self._first(evaluations, candidates)
+        rivals = list(self.instead[len(self.others) :])
+        candidates = {
+            (R_2, V_2): parts for R_2, V_2, parts in self.candidates() if _stabilises(rivals, parts)
+        }
+        ordered = chain(self._robust(candidates), self._fragile(candidates))
+        if self.saturation is not None:
+            ordered = iter(self._by_runs(list(ordered), candidates))
+        return self._first(ordered, candidates)
 
-    def _first(
-        self, evaluations: list[tuple[LoopEvaluation, float, float]],
-        candidates: Mapping[tuple[float, float], StateSpace],
-    ) -> Reference:  # fmt: skip
+    def _robust(self, candidates: Candidates) -> Iterator[Evaluated]:
+        """Yield the robust candidates in order; no peak is computed that the order does not need.
+
+        Costs are quick beside peaks and beside the loops with every other plant.
+        """
+        costs: list[Evaluated] = []
+        for pair, parts in candidates.items():
+            if not loop_radius(self.scaled, parts) < SLOWEST:
+                continue
+            with suppress(CompensatorError):
+                costs.append((LoopEvaluation(0, 1.0, *self._powers(parts), self.most_u**2), *pair))
+        costs.sort(key=_order)
+        others = self.instead[: len(self.others)]
+        peaks: dict[Weights, float] = {}
+
+        def peak(one: Evaluated) -> float:
+            """Ms of a candidate, infinite where another plant is lost."""
+            key = one[1:]
+            if key not in peaks:
+                peaks[key] = self._robust_peak(candidates[key], others)
+            return peaks[key]
+
+        first = next((i for i, one in enumerate(costs) if peak(one) <= MOST), len(costs))
+        for one in _calmest_first(costs[first:]):
+            if peak(one) <= MOST:
+                yield replace(one[0], peak=peak(one)), *one[1:]
+
+    def _robust_peak(self, parts: StateSpace, others: list[Plant]) -> float:
+        """Ms of a loop, or a bound of it above `MOST`; infinite where another plant is lost."""
+        if not _stabilises(others, parts):
+            return np.inf
+        try:
+            return _peak(self.scaled, parts, MOST)
+        except CompensatorError:
+            return np.inf
+
+    def _fragile(self, candidates: Candidates) -> Iterator[Evaluated]:
+        """Yield the candidates that are not robust: least lost plants, then least peak, first."""
+        by_lost: dict[int, list[Weights]] = {}
+        for pair, parts in candidates.items():
+            radius = loop_radius(self.scaled, parts)
+            if radius < 1:
+                others = self.instead[: len(self.others)]
+                lost = sum(not loop_radius(other, parts) < 1 for other in others)
+                by_lost.setdefault(lost + (radius >= SLOWEST), []).append(pair)
+        for lost, same in sorted(by_lost.items()):
+            evaluations = []
+            for pair in same:
+                with suppress(CompensatorError):
+                    peak = _peak(self.scaled, candidates[pair])
+                    evaluations.append((LoopEvaluation(lost, peak), *pair))
+            yield from sorted((one for one in evaluations if one[0].safe[0]), key=_order)
+
+    def _first(self, evaluations: Iterable[Evaluated], candidates: Candidates) -> Reference:
         """The first controller that float64 carries."""
         plant, units, V = self.plant, self.units, self.noise_variance
-        evaluations = [one for one in evaluations if np.isfinite(one[0].peak)]
         obstacle: CompensatorError | None = None
-        evaluations.sort(key=lambda one: (one[0].order, *one[1:]))
-        evaluations = _calmest_first(evaluations)
-        if self.saturation is not None:
-            evaluations = self._by_runs(evaluations, candidates)
         for evaluation, R_2, V_2 in evaluations:
             try:
                 parts = candidates[R_2, V_2]
@@ -335,11 +377,10 @@ class WeightGrid:
             "disturbance as its size alone."
         ) from obstacle
 
-    def _by_runs(
-        self, judged: list[tuple[LoopEvaluation, float, float]],
-        candidates: Mapping[tuple[float, float], StateSpace],
-    ) -> list[tuple[LoopEvaluation, float, float]]:  # fmt: skip
+    def _by_runs(self, judged: list[Evaluated], candidates: Candidates) -> list[Evaluated]:
         """Sort the most robust candidates by runs; then the others."""
+        if not judged:
+            return judged
         first = [one for one in judged if one[0].safe == min(other[0].safe for other in judged)]
         compensators, remaining = [], []
         for one in first:
@@ -370,9 +411,23 @@ class WeightGrid:
         return spectrum
 
 
-def _calmest_first(
-    judged: list[tuple[LoopEvaluation, float, float]],
-) -> list[tuple[LoopEvaluation, float, float]]:
+def _stabilises(plants: list[Plant], parts: StateSpace) -> bool:
+    """Whether a controller stabilises all plants; the one that it loses is moved to the front.
+
+    The next controller often loses the same plant.
+    """
+    for i, plant in enumerate(plants):
+        if not loop_radius(plant, parts) < 1:
+            plants.insert(0, plants.pop(i))
+            return False
+    return True
+
+
+def _order(one: Evaluated) -> tuple[object, ...]:
+    return one[0].order, *one[1:]
+
+
+def _calmest_first(judged: list[Evaluated]) -> list[Evaluated]:
     """Put the candidate with the least u first, of the robust ones with nearly the least error.
 
     The last tenth of the error is bought with a u that answers to every step of the noise.
