@@ -24,6 +24,7 @@ ITERATIONS = 25
 DECREASE = 1e-2  # of N log(sum of squares): below it an iteration has settled
 SETTLED = 0.1  # of DECREASE: a predicted decrease below it is not tried
 DEPENDENT = 1e-9  # of a column's norm: the rest of it is rounding
+VISIBLE = 1e-12  # of the squares of the errors: what a u before the record makes of them
 WIDTHS = 6  # damping factors that are tried in an iteration
 
 
@@ -479,6 +480,28 @@ def disturbance(record: ProcessRecord, start: Start | ProcessFit) -> Array:
         steps = record.steps
         return np.asarray(np.convolve(record.y, start.A)[:steps] - np.convolve(u, B)[:steps])
     return np.asarray(record.y - lfilter(B, confined(start.A, CIRCLE), u))
+
+
+def value_before(record: ProcessRecord, fit: ProcessFit) -> tuple[float, float]:
+    """By how much BIC falls with another constant u before the record, and that u.
+
+    The errors are linear in it, since a level is free: as if all of u were counted from there.
+    """
+    start, weights = start_of(fit), record.weights(fit.e) if fit.heavy else None
+    points = [
+        _Errors(replace(record, u=record.u - u), start, weights).at(start.coefficients)
+        for u in (0.0, 1.0)
+    ]
+    if points[0] is None or points[1] is None:
+        return 0.0, 0.0
+    e = points[0].e
+    slope = e - points[1].e
+    square, total = float(slope @ slope), float(e @ e)
+    if not square > VISIBLE * total:
+        return 0.0, 0.0
+    value = float(slope @ e) / square
+    rest = max(1 - value * float(slope @ e) / total, 1e-12)
+    return -record.steps * float(np.log(rest)) - float(np.log(record.steps)), value
 
 
 def residual_of(record: ProcessRecord, fit: ProcessFit) -> Array:

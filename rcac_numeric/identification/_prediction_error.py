@@ -206,13 +206,12 @@ def leads(u: Array, y: Array) -> bool | None:
     Second moments have no direction in time of one step: u(k) on y(k) fits as well as y(k) on u(k).
     What has one is past y. A controller that reads y(k) has a u(k) that past y predicts beside past
     u, and then this is False; or its dither or command hardly moves, past u determines past y, and
-    u(k) follows from y(k) and the past exactly but at a few steps. Where past y predicts nothing of
-    u(k), an open loop is shown only if past u does not either: a controller and noise make no white
-    u. Of a coloured u the past tells as much as past y where the noise, which u repeats, is larger
-    than what moves u. There the distributions decide, if they are not Gaussian: of two values, of
-    which one is a multiple of the other and something independent, only the right order leaves
-    them independent (A. Hyvarinen and S. M. Smith, Journal of Machine Learning Research 14 (2013)
-    111-152).
+    u(k) follows from y(k) and the past exactly but at a few steps. Else the distributions decide,
+    if they are not Gaussian: of two values, of which one is a multiple of the other and something
+    independent, only the right order leaves them independent (A. Hyvarinen and S. M. Smith, Journal
+    of Machine Learning Research 14 (2013) 111-152). Where both are Gaussian, an open loop is shown
+    only by a white u to whose past y responds: a controller that reads y(k) repeats that response.
+    (A proportional controller makes of white noise a white u, but then y is white, too.)
     """
     steps = len(u)
     now = _unit(lagged((u - u.mean())[:, None], PAST_U + 1))
@@ -230,10 +229,11 @@ def leads(u: Array, y: Array) -> bool | None:
     is_followed = float(np.median(np.abs(rest))) < FOLLOWED * float(np.std(rest))
     if not (criteria[0] < criteria[1] and criteria[3] < criteria[2]) or is_followed:
         return False
-    if _is_white(u_now[:, 0], past_u):
-        return True
     odds = _odds_of_cause(y_now[:, 0], u_now[:, 0], np.hstack([past_u, past_y]))
-    return None if abs(odds) < ODDS else odds < 0
+    if abs(odds) >= ODDS:
+        return odds < 0
+    is_shown = _is_white(u_now[:, 0], past_u) and not _is_white(y_now[:, 0], past_u)
+    return True if is_shown else None
 
 
 def _odds_of_cause(first: Array, second: Array, past: Array) -> float:

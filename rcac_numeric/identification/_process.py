@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,13 +12,19 @@ from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._blas_threads import one_blas_thread
 from rcac_numeric.arrays._validation import integer, number
-from rcac_numeric.identification._box_jenkins import DIFFERENCE, ProcessFit, residual_of
+from rcac_numeric.identification._box_jenkins import (
+    DIFFERENCE,
+    ProcessFit,
+    residual_of,
+    value_before,
+)
 from rcac_numeric.identification._joint_records import inputs_of, joint_record
 from rcac_numeric.identification._joint_stability import (
     OPEN_LIMIT,
     open_loop_gate,
     unstable_root,
 )
+from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_evidence import (
     Gate,
     bandwidth,
@@ -31,12 +37,13 @@ from rcac_numeric.identification._process_evidence import (
     parameter_covariance,
     sign_gate,
 )
-from rcac_numeric.identification._process_records import process_record
-from rcac_numeric.identification._process_search import ProcessSearch
+from rcac_numeric.identification._process_records import ProcessRecord, process_record
+from rcac_numeric.identification._process_search import FEW, ProcessSearch
 from rcac_numeric.identification._scalar_record import ScalarModel
 
 NORMAL = 1.959964  # standard deviations of a 95 % interval
 FASTEST_POLE = 1e-6  # modulus of a pole below which there is no time constant
+ROUNDS, TRIED = 3, 6  # searches for the u before a record, and models that are tried for it
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,8 +255,7 @@ def search_of(
         raise InputError(
             f"delay = {delay} is more than half of the {record.steps} steps of the record."
         )
-    with np.errstate(all="ignore"):
-        search = ProcessSearch(record, delay)
+    search = _searched(record, delay)
     if not search.fits:
         raise InputError("no model could be fitted to the record: record longer, or excite u more.")
     feedthrough = feedthrough_gate(search, search.fits[0], is_commanded=is_commanded)
@@ -261,8 +267,7 @@ def search_of(
             "out, or log y before u is applied."
         )
     earlier = process_record(np.ravel(u)[1:], np.ravel(y)[:-1])
-    with np.errstate(all="ignore"):
-        direct = ProcessSearch(earlier, is_direct=True)
+    direct = _searched(earlier, None, is_direct=True)
     if not direct.fits:
         return search
     again = feedthrough_gate(direct, direct.fits[0])
@@ -272,6 +277,29 @@ def search_of(
             "Pair y[:-2] with u[2:], or log y before u is applied."
         )
     return direct
+
+
+def _searched(
+    record: ProcessRecord, delay: int | None, *, is_direct: bool = False
+) -> ProcessSearch:
+    """The models of a record, and of the u before it that they show.
+
+    With dead time or slow poles the first rows answer to it. One number is all that they show, and
+    a record of few moves not even that: there any disturbance of its first rows would be one.
+    """
+    with np.errstate(all="ignore"):
+        search = ProcessSearch(record, delay, is_direct=is_direct)
+        for _ in range(ROUNDS if record.moves > FEW else 0):
+            pairs = [value_before(search.record, fit) for fit in search.distinct[:TRIED]]
+            pays, before = max(pairs, default=(0.0, 0.0))
+            if pays < ODDS:
+                break
+            moved = replace(search.record, u=search.record.u - before)
+            again = ProcessSearch(moved, delay, is_direct=is_direct)
+            if not again.fits or again.fits[0].bic > search.fits[0].bic - ODDS:
+                break
+            search = again
+    return search
 
 
 def require_effect(effect: Gate, search: ProcessSearch) -> None:

@@ -24,6 +24,7 @@ from rcac_numeric.identification._box_jenkins import (
     later,
     noise_start,
     start_of,
+    value_before,
     weighted_fit,
 )
 from rcac_numeric.identification._delay_scan import scanned_again
@@ -396,6 +397,10 @@ def part_fits(
             continue
         part = record.part(slice(low, high))
         again = fitted(part, start_of(fit), iterations=15)
+        pays, before = (0.0, 0.0) if again is None else value_before(part, again)
+        if again is not None and pays > ODDS:
+            part = replace(part, u=part.u - before)
+            again = fitted(part, start_of(again), iterations=15)
         if again is not None and fit.heavy:
             again = weighted_fit(part, again, 2)
         yield None if again is None else (part, again)

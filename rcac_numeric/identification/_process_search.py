@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.identification._box_jenkins import (
@@ -50,6 +49,7 @@ ALIKE = 2e-3  # distance at which a pair all but cancels at 0.02 rad/step and ab
 # Frequencies that a record resolves are 2 pi over its steps apart: a pole half of that from the
 # circle, and a zero within it, are a part of the disturbance as far as the record can tell.
 RESOLVED = 2 * float(np.pi)
+SLOW_WAVE = 0.3  # of that frequency: the slowest sinusoid that is tried in place of a pole
 REFITTED = 8  # models that are fitted again by Student's likelihood
 MANY = 8  # values of u: fewer are no answer to y
 MOST_JUMPS = 0.02  # of the steps
@@ -540,29 +540,31 @@ class ProcessSearch:
     def _undamped(self) -> None:
         """A sinusoid of the disturbance in place of a pair of poles of A or D on the circle.
 
-        The record is searched anew, behind a notch, for a plant without that pair.
+        The record is searched anew for a plant without that pair, also where a model has a sinusoid
+        of that frequency already.
         """
         self._rank()
         resolved = RESOLVED / self.record.steps
-        known = [one.sinusoid for one in self.fits[:3]]
         frequencies: list[float] = []
         for one in self.fits[:3]:
-            poles = np.concatenate([one.poles[: 0 if one.armax else None], roots_of(one.noise.D)])
-            poles = poles[(np.abs(poles) > 1 - resolved / 2) & (poles.imag > resolved)]
-            for omega in np.angle(poles):
-                if all(abs(omega - other) > resolved for other in known + frequencies):
-                    frequencies.append(float(omega))
+            for omega in np.angle(self._ringing(one)).tolist():
+                if all(abs(omega - other) > resolved for other in frequencies):
+                    frequencies.append(omega)
         for omega in frequencies[:2]:
-            self._behind_notch(omega)
+            self._beside_sinusoid(omega)
 
-    def _behind_notch(self, omega: float) -> None:
-        """Models with a sinusoid of the level, from the global start behind a notch."""
+    def _ringing(self, fit: ProcessFit) -> list[complex]:
+        """The poles of A and D on the circle, with positive imaginary part."""
+        resolved = RESOLVED / self.record.steps
+        poles = np.concatenate([fit.poles[: 0 if fit.armax else None], roots_of(fit.noise.D)])
+        return [p for p in poles if abs(p) > 1 - resolved / 2 and p.imag > SLOW_WAVE * resolved]
+
+    def _beside_sinusoid(self, omega: float) -> None:
+        """Models with a sinusoid of the level, from the global start beside one."""
         record, first = self.record, len(self.fits)
-        z = np.exp(1j * omega)
-        notch = np.real(np.poly([z, 1 / z])), np.real(np.poly([NOTCH * z, NOTCH / z]))
+        waves = sinusoids(omega, record.steps)
         for u, summed in ((record.u, False), (np.cumsum(record.u), True)):
-            y_n, u_n = lfilter(*notch, np.stack([record.y, u]))
-            for pair in pole_starts(record, y_n, u_n, self.costs):
+            for pair in pole_starts(record, record.y, u, self.costs, waves):
                 for scan in pair:
                     B = np.concatenate([scan.B, np.zeros(len(scan.A))])[: len(scan.A) - 1 + summed]
                     none = NoiseModel(ONE, ONE, 0)
@@ -572,7 +574,8 @@ class ProcessSearch:
                         self.fit(with_noise(start, noise_start(v, orders)), SHORT)
         short = sorted(self.fits[first:], key=_bic)
         del self.fits[first:]
-        for one in short[:3]:
+        best = [[one for one in short if one.summed is integrates] for integrates in (False, True)]
+        for one in best[0][:2] + best[1][:2]:
             fit = self.fit(start_of(one))
             if fit is not None:
                 self._moved(fit)
