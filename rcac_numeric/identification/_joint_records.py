@@ -303,6 +303,8 @@ def _smoothed(u: Array, missing: NDArray[np.bool_], A: Array) -> Array:
     """The missing steps for which the sum of squares of A u is least, run by run."""
     n, steps, u = len(A) - 1, len(u), u.copy()
     unknown = np.flatnonzero(missing)
+    if not len(unknown):
+        return u
     # Runs that are at least n steps apart do not depend on each other.
     for run in np.split(unknown, np.flatnonzero(np.diff(unknown) > n) + 1):
         a, b = int(run[0]), min(int(run[-1]) + n + 1, steps)
