@@ -1,5 +1,6 @@
 """Models of process records: right under drift, jumps, walks and spikes, and refused where open."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,6 +23,7 @@ from rcac_numeric.identification._box_jenkins import (
     confined,
     fitted,
     start_of,
+    value_before,
 )
 from rcac_numeric.identification._delay_scan import delay_scan
 from rcac_numeric.identification._prediction_error import ODDS, _odds_of_cause, leads
@@ -36,6 +38,7 @@ from rcac_numeric.identification._process_evidence import (
 from rcac_numeric.identification._process_records import (
     _gauss,
     _student,
+    at_rest,
     likelihood_of,
     process_record,
     without_spikes,
@@ -383,6 +386,50 @@ def test_direct_feedthrough_is_part_of_the_model(kind):
     assert gate.passed and gate.limit == ODDS and KNOWN < 1 and not search.is_direct
 
 
+@pytest.mark.parametrize("seed", [4, 10, 13])
+def test_a_sinusoid_from_the_first_row_is_no_oscillation_that_an_early_step_excites(seed):
+    """A step of size 1.7 in y beside a sinusoid of 4: both begin in the same rows."""
+    rng, rows = np.random.default_rng(seed), np.arange(600)
+    u = np.asarray(rows >= rng.integers(4, 16), dtype=np.float64)
+    omega, phase = rng.uniform(0.01, 0.06), rng.uniform(0, 6)
+    B = [0.0] * (1 + int(rng.integers(0, 10))) + [0.05]
+    y = lfilter(B, np.poly([0.9, 0.7]), u) + 4 * np.sin(omega * rows + phase)
+    best = search_of(u, y + 0.1 * rng.standard_normal(600), None).fits[0]
+    assert best.sinusoid == pytest.approx(omega, abs=1e-3)
+    assert np.abs(best.poles[best.poles.imag > 1e-3]).max(initial=0) < 0.99
+
+
+@pytest.mark.parametrize("integrates", [False, True])
+@given(seed=st.integers(0, 999), before=st.floats(-3, 3), delay=st.integers(5, 40))
+def test_the_u_before_a_record_is_seen_in_its_first_rows(integrates, seed, before, delay):
+    """The model is that of the record itself; from zero the first rows would be errors."""
+    rng, steps, first = np.random.default_rng(seed), 400, 400
+    u = np.concatenate([np.full(first, before), rng.choice([-1.0, 1.0], 40).repeat(10)])
+    B, A = [0.0] * (delay + 1) + [0.3], np.poly([0.9, 1.0] if integrates else [0.9])
+    start = before if integrates else 0.0  # of a plant that integrates, u - before is at rest
+    y = lfilter(B, A, u - start)[first:] + 0.01 * rng.standard_normal(steps)
+    record = process_record(u[first:], y)
+    true = (before - at_rest(u[first:])) / record.units[0]
+    B_1 = np.array([0.3, 0.0][: 1 + integrates]) * record.units[0] / record.units[1]
+    noise = NoiseModel(ONE, ONE, 0)
+    model = Start(np.array([1.0, -0.9]), B_1, delay, noise, summed=integrates)
+    fit = fitted(record, model, iterations=0)
+    assume(fit is not None)
+    pays, value = value_before(record, fit)
+    assert value == pytest.approx(true, abs=0.1)
+    moved = fitted(replace(record, u=record.u - value), model, iterations=0)
+    assert pays >= -np.log(steps) * (1 + 1e-9)
+    assert moved.bic < fit.bic + 1e-6 * abs(fit.bic)
+
+
+def test_the_u_before_a_record_does_not_reach_the_model():
+    rng = np.random.default_rng(3)
+    u = np.concatenate([np.zeros(60), rng.choice([-1.0, 1.0], 60).repeat(10)])
+    y = lfilter([0.0] * 31 + [0.04], [1, -0.98], u) + 0.01 * rng.standard_normal(660)
+    model = identify_process(u[60:], y[60:])
+    assert not model.failed and model.delay == 30 and error_of(model, 0.98, 0.04, 30) < 0.02
+
+
 @pytest.mark.costly
 def test_a_controller_that_reads_y_of_the_row_is_no_feedthrough():
     """By the reverse: u(k) responds to y(k), with and without a state, and a white dither."""
@@ -427,6 +474,18 @@ def test_noise_through_a_controller_shows_no_open_loop(seed, noise, hold, direct
         total += y[k]
         u[k] = dither[k] - direct * y[k] - integral * total
         x = root * x + (1 - root) * u[k]
+    assert leads(u, y) is not True
+
+
+@given(seed=st.integers(0, 999), gain=st.floats(0.2, 0.8), binary=st.booleans())
+def test_a_proportional_controller_of_white_noise_shows_no_open_loop(seed, gain, binary):
+    """u is white, as one that is drawn: the plant answers later than any lag that is tried."""
+    rng, steps, delay = np.random.default_rng(seed), 600, 25
+    dither = rng.choice([-1.0, 1.0], steps) if binary else rng.standard_normal(steps)
+    e, u, y = 2 * rng.standard_normal(steps), np.zeros(steps), np.zeros(steps)
+    for k in range(steps):
+        y[k] = e[k] + (0.2 * u[k - delay] if k >= delay else 0.0)
+        u[k] = dither[k] - gain * y[k]
     assert leads(u, y) is not True
 
 
