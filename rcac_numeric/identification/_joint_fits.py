@@ -19,6 +19,7 @@ from rcac_numeric.identification._box_jenkins import (
     ITERATIONS,
     OF_C,
     ONE,
+    VISIBLE,
     NoiseModel,
     confined,
     minimised,
@@ -28,6 +29,7 @@ from rcac_numeric.identification._box_jenkins import (
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_records import DEGREES
+from rcac_numeric.identification._process_search import FEW
 
 ROUNDS = 8  # in which a frequency and all else are fitted in turn
 STEP = 1e-6  # of a coefficient of the noise, for the derivatives by it
@@ -309,6 +311,40 @@ class _JointPoint:
         slopes = (logarithms[:, 0] - logarithms[:, 1]) / (2 * STEP) / (2 * record.count)
         J = self.scale * J + slopes[:, None] * self.e
         return J if np.isfinite(J).all() else None
+
+
+def with_values_before(record: JointRecord, fit: JointFit) -> tuple[float, JointRecord]:
+    """By how much BIC falls with other constants of u before each part; u counted from there.
+
+    Inputs of few moves keep theirs: beside one move any disturbance of the first rows is another.
+    """
+
+    def errors(u: Array) -> Array | None:
+        of_u = _JointErrors(replace(record, u=u), fit.start, None)
+        point = of_u.at(of_u.joined([(one.A, one.B) for one in fit.channels], fit.noise))
+        return None if point is None else point.e[record.observed]
+
+    e, places, slopes = errors(record.u), list[tuple[int, slice]](), list[Array]()
+    if e is None:
+        return 0.0, record
+    for j in sorted({one.input for one in fit.channels if record.moves(one.input) > FEW}):
+        for part in record.parts:
+            u = record.u.copy()
+            u[j, part] -= 1.0
+            moved = errors(u)
+            if moved is not None and np.sum((e - moved) ** 2) > VISIBLE * float(e @ e):
+                places.append((j, part))
+                slopes.append(e - moved)
+    if not places:
+        return 0.0, record
+    X = np.stack(slopes, axis=1)
+    values = np.linalg.lstsq(X, e, rcond=DEPENDENT)[0]
+    rest, u = e - X @ values, record.u.copy()
+    for (j, part), value in zip(places, values, strict=True):
+        u[j, part] -= value
+    ratio = max(float(rest @ rest) / float(e @ e), 1e-12)
+    pays = -record.count * np.log(ratio) - len(values) * np.log(record.count)
+    return float(pays), replace(record, u=u)
 
 
 def joint_fit(

@@ -26,6 +26,7 @@ from rcac_numeric.identification._joint_fits import (
     JointFit,
     joint_fit,
     joint_residual,
+    with_values_before,
 )
 from rcac_numeric.identification._joint_records import (
     Inputs,
@@ -38,7 +39,7 @@ from rcac_numeric.identification._joint_records import (
 from rcac_numeric.identification._joint_search import JointSearch, bic_difference
 from rcac_numeric.identification._joint_stability import LIMIT, OPEN_LIMIT, unstable_root
 from rcac_numeric.identification._prediction_error import ODDS, answers, leads
-from rcac_numeric.identification._process import scalar_model
+from rcac_numeric.identification._process import ROUNDS, scalar_model
 from rcac_numeric.identification._process_evidence import Gate, undecided_direction
 from rcac_numeric.identification._process_search import MANY, WORSE
 from rcac_numeric.identification._scalar_record import ScalarModel
@@ -230,6 +231,19 @@ def _require_stable(records: Sequence[JointRecord], names: Names) -> None:
             )
 
 
+def _with_past(search: JointSearch) -> JointSearch:
+    """The search, or that of its record with the u before each part that the best model shows."""
+    for _ in range(ROUNDS if search.fits else 0):
+        pays, record = with_values_before(search.record, search.fits[0])
+        if pays < ODDS:
+            break
+        again = JointSearch(record, search.inputs)
+        if not again.fits or again.fits[0].bic > search.fits[0].bic - ODDS:
+            break
+        search = again
+    return search
+
+
 def _with_effects(record: JointRecord, i: int, names: Names) -> tuple[JointSearch, list[str]]:
     """The models of one output over the inputs without which the BIC is larger by the odds.
 
@@ -239,7 +253,7 @@ def _with_effects(record: JointRecord, i: int, names: Names) -> tuple[JointSearc
     search: JointSearch | None = None
     while inputs:
         with np.errstate(all="ignore"):
-            search = search or JointSearch(record, inputs)
+            search = search or _with_past(JointSearch(record, inputs))
             if not search.fits:
                 break
             effects = {j: effect_of(search, search.fits[0], j) for j in inputs}
@@ -247,7 +261,7 @@ def _with_effects(record: JointRecord, i: int, names: Names) -> tuple[JointSearc
             others = [j for j in inputs if j != weakest]
             without: JointSearch | None = None
             if others and effects[weakest] < WORSE:
-                without = JointSearch(record, others)
+                without = JointSearch(search.record, others)
                 if without.fits:
                     effects[weakest] = min(effects[weakest], bic_difference(without, search))
         if effects[weakest] > ODDS:

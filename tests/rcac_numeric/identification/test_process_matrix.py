@@ -389,3 +389,21 @@ def test_models_with_an_entry_that_was_left_out_are_rivals():
     for one in search.larger:
         assert [channel.input for channel in one.channels] == [0, 1]
         assert one.bic < best + ODDS
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_u_before_each_experiment_does_not_reach_the_model(count):
+    """u moved in the step in which the record begins: its dead time and lag bring that into y."""
+    rng, past, steps = np.random.default_rng(4), 200, 400
+    records = []
+    for _ in range(count):
+        u = np.stack([rng.choice([-1.0, 1.0], 40).repeat(10) for _ in range(2)], axis=1)
+        whole = np.vstack([np.tile(-u[0], (past, 1)), u])
+        y = lfilter([0] * 31 + [0.06], [1, -0.95], whole[:, 0])
+        y += lfilter([0] * 16 + [0.2], [1, -0.9], whole[:, 1])
+        records.append((u, y[past:] + 0.02 * rng.standard_normal(steps)))
+    u, y = (np.concatenate(one) for one in zip(*records, strict=True))
+    model = identify_process_matrix(u, y, experiments=(steps,) * count)
+    np.testing.assert_allclose(model.gain, [[1.2, 2.0]], rtol=0.02)
+    np.testing.assert_allclose(model.delays, [[30, 15]], atol=1)
