@@ -489,8 +489,7 @@ def value_before(record: ProcessRecord, fit: ProcessFit) -> tuple[float, float]:
     """
     start, weights = start_of(fit), record.weights(fit.e) if fit.heavy else None
     points = [
-        _Errors(replace(record, u=record.u - u), start, weights).at(start.coefficients)
-        for u in (0.0, 1.0)
+        _Errors(record.counted_from(u), start, weights).at(start.coefficients) for u in (0.0, 1.0)
     ]
     if points[0] is None or points[1] is None:
         return 0.0, 0.0

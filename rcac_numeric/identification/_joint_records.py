@@ -39,7 +39,7 @@ class JointRecord:
     Attributes
     ----------
     u : array, shape (inputs, steps)
-        Less its value at rest in each experiment, 0 before it.
+        Less its value at rest in each experiment, or that which y shows; 0 before it.
     y : array, shape (steps,)
         Less its first value in each experiment; interpolated where it is missing.
     observed : array of bool, shape (steps,)

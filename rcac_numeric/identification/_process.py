@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -87,6 +87,8 @@ class ProcessModel(ScalarModel, Truth):
         Single values of y that were replaced by the mean of their neighbours.
     sample_time : float or None
         In seconds.
+    u_before : float
+        The u before the record: that at rest, or the one that the first rows of y show.
     """
 
     noise: tuple[Array, Array]
@@ -104,6 +106,7 @@ class ProcessModel(ScalarModel, Truth):
     gates: tuple[Gate, ...]
     spikes: int = 0
     sample_time: float | None = None
+    u_before: float = 0.0
 
     @property
     def order(self) -> int:
@@ -180,8 +183,10 @@ def identify_process(
 
     Box-Jenkins models of order 1 to 4 by prediction errors, with noise of order 2 at most that
     drifts or not, one sinusoid and a slope; of an unstable plant ARMAX. No step of the record is
-    dropped: u is 0 before it, and the initial state is fitted. Direct feedthrough, y(k) responding
-    to u(k), is part of the model where it pays odds of ten thousand and u does not respond to y(k).
+    dropped: the initial state is fitted, and u before the record is constant, as at rest or, where
+    u moves more than three times and the first rows of y show it, another value. Direct
+    feedthrough, y(k) responding to u(k), is part of the model where it pays odds of ten thousand
+    and u does not respond to y(k).
     The search begins at every delay up
     to a sixth of the record (1000 at most), a grid of poles and three noise filters. BIC ranks the
     models, by the better of Gauss's and Student's likelihood, the latter no sharper than the
@@ -294,7 +299,7 @@ def _searched(
             pays, before = max(pairs, default=(0.0, 0.0))
             if pays < ODDS:
                 break
-            moved = replace(search.record, u=search.record.u - before)
+            moved = search.record.counted_from(before)
             again = ProcessSearch(moved, delay, is_direct=is_direct)
             if not again.fits or again.fits[0].bic > search.fits[0].bic - ODDS:
                 break
@@ -364,7 +369,7 @@ def process_model(
         1 - float(np.mean(fit.e**2)) / float(np.var(y)), covariance,
         (interval[0], interval[1]),
         (max(min(delays) - earlier, 0), max(max(delays) - earlier, 0)), tuple(rivals), gates,
-        record.spikes, period, is_direct=plain.is_direct,
+        record.spikes, period, record.rest, is_direct=plain.is_direct,
     )  # fmt: skip
 
 

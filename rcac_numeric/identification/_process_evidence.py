@@ -399,7 +399,7 @@ def part_fits(
         again = fitted(part, start_of(fit), iterations=15)
         pays, before = (0.0, 0.0) if again is None else value_before(part, again)
         if again is not None and pays > ODDS:
-            part = replace(part, u=part.u - before)
+            part = part.counted_from(before)
             again = fitted(part, start_of(again), iterations=15)
         if again is not None and fit.heavy:
             again = weighted_fit(part, again, 2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +48,8 @@ class ProcessRecord:
         The step by which y is rounded, in units of y; 0 where it is not visible.
     spikes : int
         Values of y that were replaced by the line between those beside.
+    rest : float
+        The logged u that is 0 here.
     """
 
     u: Array
@@ -55,6 +57,7 @@ class ProcessRecord:
     units: tuple[float, float]
     quantum: float
     spikes: int
+    rest: float = 0.0
 
     @property
     def steps(self) -> int:
@@ -101,6 +104,10 @@ class ProcessRecord:
         dy = np.diff(self.y, prepend=self.y[0])
         middle = float(np.median(dy))
         return dy, middle, JUMP * (ROBUST * float(np.median(np.abs(dy - middle))) + 1e-12)
+
+    def counted_from(self, u: float) -> ProcessRecord:
+        """The record with another u, in its units, before it."""
+        return replace(self, u=self.u - u, rest=self.rest + u * self.units[0])
 
     def part(self, rows: slice) -> ProcessRecord:
         """Some of the steps as a record."""
@@ -191,11 +198,12 @@ def process_record(u: ArrayLike, y: ArrayLike) -> ProcessRecord:
     if not np.ptp(output) > 0:
         raise InputError("y is constant: the record does not show the plant.")
     cleaned, spikes = without_spikes(output)
-    moved = control - at_rest(control)
+    rest = at_rest(control)
+    moved = control - rest
     unit_u = float(np.std(moved))
     unit_y = float(np.std(np.diff(cleaned))) or float(np.std(cleaned))
     scaled = (cleaned - cleaned[0]) / unit_y
-    return ProcessRecord(moved / unit_u, scaled, (unit_u, unit_y), quantum_of(scaled), spikes)
+    return ProcessRecord(moved / unit_u, scaled, (unit_u, unit_y), quantum_of(scaled), spikes, rest)
 
 
 def at_rest(u: Array) -> float:

@@ -1,6 +1,5 @@
 """Models of process records: right under drift, jumps, walks and spikes, and refused where open."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -417,7 +416,7 @@ def test_the_u_before_a_record_is_seen_in_its_first_rows(integrates, seed, befor
     assume(fit is not None)
     pays, value = value_before(record, fit)
     assert value == pytest.approx(true, abs=0.1)
-    moved = fitted(replace(record, u=record.u - value), model, iterations=0)
+    moved = fitted(record.counted_from(value), model, iterations=0)
     assert pays >= -np.log(steps) * (1 + 1e-9)
     assert moved.bic < fit.bic + 1e-6 * abs(fit.bic)
 
@@ -428,6 +427,7 @@ def test_the_u_before_a_record_does_not_reach_the_model():
     y = lfilter([0.0] * 31 + [0.04], [1, -0.98], u) + 0.01 * rng.standard_normal(660)
     model = identify_process(u[60:], y[60:])
     assert not model.failed and model.delay == 30 and error_of(model, 0.98, 0.04, 30) < 0.02
+    assert model.u_before == pytest.approx(0, abs=0.05)
 
 
 @pytest.mark.costly
