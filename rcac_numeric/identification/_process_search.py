@@ -49,6 +49,7 @@ ALIKE = 2e-3  # distance at which a pair all but cancels at 0.02 rad/step and ab
 # Frequencies that a record resolves are 2 pi over its steps apart: a pole half of that from the
 # circle, and a zero within it, are a part of the disturbance as far as the record can tell.
 RESOLVED = 2 * float(np.pi)
+LONG, DEPENDENT = 40, 1e-10  # lags of a regression; share of a column below which it is rounding
 SLOW_WAVE = 0.3  # of that frequency: the slowest sinusoid that is tried in place of a pole
 REFITTED = 8  # models that are fitted again by Student's likelihood
 MANY = 8  # values of u: fewer are no answer to y
@@ -540,24 +541,26 @@ class ProcessSearch:
     def _undamped(self) -> None:
         """A sinusoid of the disturbance in place of a pair of poles of A or D on the circle.
 
-        The record is searched anew for a plant without that pair, also where a model has a sinusoid
-        of that frequency already.
+        And at such roots of a long regression on past y and u: a wrong plant hides the sinusoid in
+        what it leaves. The record is searched anew, also where a model has that sinusoid already.
         """
         self._rank()
         resolved = RESOLVED / self.record.steps
-        frequencies: list[float] = []
-        for one in self.fits[:3]:
-            for omega in np.angle(self._ringing(one)).tolist():
-                if all(abs(omega - other) > resolved for other in frequencies):
-                    frequencies.append(omega)
-        for omega in frequencies[:2]:
-            self._beside_sinusoid(omega)
+        of_fits = [
+            one for fit in self.fits[:3]
+            for one in (fit.poles[: 0 if fit.armax else None], roots_of(fit.noise.D))
+        ]  # fmt: skip
+        tried: list[float] = []
+        for ringing in (_long_regression(self.record), np.concatenate(of_fits)):
+            for omega in np.angle(self._on_circle(ringing)).tolist()[:2]:
+                if all(abs(omega - other) > resolved for other in tried):
+                    tried.append(omega)
+                    self._beside_sinusoid(omega)
 
-    def _ringing(self, fit: ProcessFit) -> list[complex]:
-        """The poles of A and D on the circle, with positive imaginary part."""
+    def _on_circle(self, roots: ComplexArray) -> ComplexArray:
+        """The roots with positive imaginary part that the record cannot tell from the circle."""
         resolved = RESOLVED / self.record.steps
-        poles = np.concatenate([fit.poles[: 0 if fit.armax else None], roots_of(fit.noise.D)])
-        return [p for p in poles if abs(p) > 1 - resolved / 2 and p.imag > SLOW_WAVE * resolved]
+        return roots[(np.abs(roots) > 1 - resolved / 2) & (roots.imag > SLOW_WAVE * resolved)]
 
     def _beside_sinusoid(self, omega: float) -> None:
         """Models with a sinusoid of the level, from the global start beside one."""
@@ -628,6 +631,16 @@ def _differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]
         return record.y, record.u
     y, u = record.y, record.u
     return np.diff(y, prepend=y[0]), np.diff(u, prepend=u[0])
+
+
+def _long_regression(record: ProcessRecord) -> ComplexArray:
+    """The roots of the polynomial of y in a regression of y on its past and that of u."""
+    y, u, steps = record.y, record.u, record.steps
+    p = min(LONG, steps // 6)
+    past = [later(one, k) for one in (y, u) for k in range(1, p + 1)]
+    X = np.stack([*past, np.ones(steps)])[:, p:]
+    of_y = np.linalg.lstsq(X.T, y[p:], rcond=DEPENDENT)[0][:p]
+    return roots_of(np.concatenate([ONE, -of_y]))
 
 
 def _without_jumps(record: ProcessRecord) -> Array | None:
