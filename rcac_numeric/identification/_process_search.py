@@ -50,6 +50,7 @@ ALIKE = 2e-3  # distance at which a pair all but cancels at 0.02 rad/step and ab
 # circle, and a zero within it, are a part of the disturbance as far as the record can tell.
 RESOLVED = 2 * float(np.pi)
 LONG, DEPENDENT = 40, 1e-10  # lags of a regression; share of a column below which it is rounding
+SAME = 50.0  # of that frequency: sinusoids within it have the same response beside them
 SLOW_WAVE = 0.3  # of that frequency: the slowest sinusoid that is tried in place of a pole
 REFITTED = 8  # models that are fitted again by Student's likelihood
 MANY = 8  # values of u: fewer are no answer to y
@@ -545,15 +546,15 @@ class ProcessSearch:
         what it leaves. The record is searched anew, also where a model has that sinusoid already.
         """
         self._rank()
-        resolved = RESOLVED / self.record.steps
         of_fits = [
             one for fit in self.fits[:3]
             for one in (fit.poles[: 0 if fit.armax else None], roots_of(fit.noise.D))
         ]  # fmt: skip
         tried: list[float] = []
+        near = 10 * RESOLVED / self.record.steps / SAME
         for ringing in (_long_regression(self.record), np.concatenate(of_fits)):
             for omega in np.angle(self._on_circle(ringing)).tolist()[:2]:
-                if all(abs(omega - other) > resolved for other in tried):
+                if all(abs(omega - other) > near for other in tried):
                     tried.append(omega)
                     self._beside_sinusoid(omega)
 
@@ -563,7 +564,30 @@ class ProcessSearch:
         return roots[(np.abs(roots) > 1 - resolved / 2) & (roots.imag > SLOW_WAVE * resolved)]
 
     def _beside_sinusoid(self, omega: float) -> None:
-        """Models with a sinusoid of the level, from the global start beside one."""
+        """Models with a sinusoid of the level, from the global start beside one.
+
+        Twice, since poles and delay follow the sinusoid closely: the second time with the frequency
+        that the first has.
+        """
+        first, short = len(self.fits), list[ProcessFit]()
+        for _ in range(2):
+            short += self._short_beside(omega)
+            if not short:
+                return
+            short.sort(key=_bic)
+            near = RESOLVED / self.record.steps / SAME
+            if abs(short[0].sinusoid - omega) < near:
+                break
+            omega = short[0].sinusoid
+        del self.fits[first:]
+        best = [[one for one in short if one.summed is integrates] for integrates in (False, True)]
+        for one in best[0][:2] + best[1][:2]:
+            fit = self.fit(start_of(one))
+            if fit is not None:
+                self._moved(fit)
+
+    def _short_beside(self, omega: float) -> list[ProcessFit]:
+        """Short fits with a sinusoid from the global start beside it."""
         record, first = self.record, len(self.fits)
         waves = sinusoids(omega, record.steps)
         for u, summed in ((record.u, False), (np.cumsum(record.u), True)):
@@ -575,13 +599,7 @@ class ProcessSearch:
                     v = without_sinusoid(disturbance(record, start), omega)[1]
                     for orders in NOISES:
                         self.fit(with_noise(start, noise_start(v, orders)), SHORT)
-        short = sorted(self.fits[first:], key=_bic)
-        del self.fits[first:]
-        best = [[one for one in short if one.summed is integrates] for integrates in (False, True)]
-        for one in best[0][:2] + best[1][:2]:
-            fit = self.fit(start_of(one))
-            if fit is not None:
-                self._moved(fit)
+        return self.fits[first:]
 
     def _without_cancelled(self) -> None:
         """Leave out models with a pair that all but cancels, where one without it is credible.
