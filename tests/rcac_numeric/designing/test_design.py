@@ -35,7 +35,14 @@ from rcac_numeric.designing._closed_loop_design import TuningParameters, setting
 from rcac_numeric.designing._design import verdict_of
 from rcac_numeric.designing._expected import KINDS, read_expected
 from rcac_numeric.designing._plants import Variation, read_plant
-from rcac_numeric.designing._reference import MOST, WeightGrid, reference_loop, sensitivity_peak
+from rcac_numeric.designing._reference import (
+    MOST,
+    WeightGrid,
+    _calmest_first,
+    loop_radius,
+    reference_loop,
+    sensitivity_peak,
+)
 from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
 
 QUICK = {"seeds": 1, "steps": 300}
@@ -335,6 +342,33 @@ def test_the_reference_is_stable_with_the_other_plants():
     assert not ClosedLoop(later, alone.compensator).is_stable  # what makes the next line a test
     robust = reference_loop(plant, expected, others=[Variation(delay=2)])
     assert ClosedLoop(later, robust.compensator).is_stable
+
+
+@given(
+    lag=st.floats(2, 30), late=st.integers(0, 6), noise=st.sampled_from([1e-3, 0.1]),
+    gains=st.lists(st.floats(0.5, 3), max_size=2), rivals=st.lists(st.floats(-2, 4), max_size=2),
+)  # fmt: skip
+@settings(max_examples=8)
+def test_the_reference_is_the_first_of_all_candidates(lag, late, noise, gains, rivals):
+    """Peaks and other plants are computed of few candidates; the choice is that of all."""
+    plant = read_plant(f"1/({lag}*s + 1)", 1.0, float(late))
+    expected, _ = read_expected(0.5, noise, None, np.inf, plant.low_gain)
+    others = [Variation(gain=one) for one in gains]
+    unlike = [read_plant(f"{one}/({lag}*s + 1)", 1.0, float(late + 1)) for one in rivals]
+    grid = WeightGrid(plant, expected, others=others, rivals=unlike)
+    rows = [
+        (grid.judged(parts), R_2, V_2) for R_2, V_2, parts in grid.candidates()
+        if all(loop_radius(one, parts) < 1 for one in grid.instead[len(others) :])
+    ]  # fmt: skip
+    rows = [one for one in rows if np.isfinite(one[0].peak)]
+    rows.sort(key=lambda one: (one[0].order, *one[1:]))
+    if not rows:
+        with pytest.raises(NoSolutionError):
+            grid.best()
+        return
+    first = _calmest_first(rows)[0]
+    best = grid.best()
+    assert first[1:] == (best.R_2, best.V_2) and best.peak == pytest.approx(first[0].peak)
 
 
 @pytest.mark.parametrize(
