@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.signal import lfilter
 
-from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.identification._box_jenkins import (
     DEPENDENT,
     DIFFERENCE,
@@ -19,6 +20,7 @@ from rcac_numeric.identification._box_jenkins import (
 )
 from rcac_numeric.identification._process_records import ProcessRecord
 
+LONG, ROUNDING = 40, 1e-10  # lags of a long regression; singular values over the largest
 RIDGE = 1e-10  # of the mean square of a column
 TIME_CONSTANTS = 9  # of the grid
 SHORTEST, LONGEST = 0.7, 500.0  # steps, of its time constants
@@ -228,6 +230,21 @@ def regression_start(
     known = len(free) - 1
     criterion = float(value[delay]) + len(theta) * float(np.log(steps))
     return theta[:known], theta[known : known + order], delay, criterion
+
+
+def regression_roots(y: Array, inputs: Array, counts: NDArray[np.bool_]) -> ComplexArray:
+    """The roots of the polynomial of y in a long regression on its past and that of the inputs.
+
+    Of the rows that count. A sinusoid of the disturbance is a root on the circle, whatever the
+    plant; which of them are its poles the regression does not tell.
+    """
+    p = min(LONG, int(np.count_nonzero(counts)) // (3 * (1 + len(inputs))))
+    rows = np.flatnonzero(counts)
+    rows = rows[rows >= p]
+    past = [one[rows - k] for one in (y, *inputs) for k in range(1, p + 1)]
+    X = np.stack([*past, np.ones(len(rows))])
+    of_y = np.linalg.lstsq(X.T, y[rows], rcond=ROUNDING)[0][:p]
+    return np.asarray(np.roots(np.concatenate([ONE, -of_y])), dtype=np.complex128)
 
 
 def scanned_again(

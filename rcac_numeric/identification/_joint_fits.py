@@ -249,6 +249,11 @@ class _FreePart:
         free = np.linalg.solve(self.R, self.coefficients) / self.size
         return self.raw[0] - free @ self.raw[1:], free
 
+    def remainder_with(self, kept: slice) -> Array:
+        """The errors less what is free but for some rows."""
+        v, free = self.remainder()
+        return v if free is None else v + free[kept] @ self.raw[1:][kept]
+
 
 @dataclass(eq=False)
 class _JointPoint:
@@ -449,12 +454,13 @@ def joint_disturbance(record: JointRecord, channels: tuple[Channel, ...]) -> Arr
 
 def joint_residual(record: JointRecord, fit: JointFit) -> Array:
     """What plant, levels and slopes leave of y at the observed steps: noise, and a sinusoid."""
-    errors = _JointErrors(record, replace(fit.start, sinusoid=0.0), None)
+    errors = _JointErrors(record, fit.start, None)
     theta = errors.joined([(one.A, one.B) for one in fit.channels], fit.noise)
     point = errors.at(theta)
     v = joint_disturbance(record, fit.channels)
     if point is not None:
-        v = np.concatenate([piece.remainder()[0] for piece in point.pieces])
+        waves = slice(1 + errors.has_slope, errors.fixed)
+        v = np.concatenate([piece.remainder_with(waves) for piece in point.pieces])
     rest = [v[part][record.observed[part]] for part in record.parts]
     return np.concatenate([one - one.mean() for one in rest if len(one)])
 

@@ -325,13 +325,11 @@ def _require_independent(u: Array) -> None:
     """Raise an error where an input follows from the others."""
     if len(u) < 2:
         return
-    for j in range(len(u)):
-        others = np.delete(u, j, axis=0)
-        columns = [np.roll(others, k, axis=1) for k in range(-LAGS, LAGS + 1)]
-        X = np.concatenate(columns)[:, LAGS:-LAGS]
-        target = u[j, LAGS:-LAGS]
+    k = np.arange(u.shape[1])
+    at = [np.clip(k + lag, 0, k[-1]) for lag in range(-LAGS, LAGS + 1)]
+    for j, target in enumerate(u - u.mean(axis=1, keepdims=True)):
+        X = np.concatenate([np.delete(u, j, axis=0)[:, rows] for rows in at])
         X = X - X.mean(axis=1, keepdims=True)
-        target = target - target.mean()
         rest = target - np.linalg.lstsq(X.T, target, rcond=1e-10)[0] @ X
         share = float(rest @ rest) / max(float(target @ target), 1e-300)
         if share < COLLINEAR:

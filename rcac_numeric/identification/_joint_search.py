@@ -16,12 +16,14 @@ from rcac_numeric.identification._box_jenkins import (
     without_sinusoid,
 )
 from rcac_numeric.identification._delay_scan import (
+    LONG,
     LONGEST,
     SHORTEST,
     TIME_CONSTANTS,
     WHITENERS,
     DelayScan,
     delay_scan,
+    regression_roots,
 )
 from rcac_numeric.identification._joint_fits import (
     Channel,
@@ -47,6 +49,7 @@ from rcac_numeric.identification._process_search import (
     RESOLVED,
     RICHER,
     RING,
+    SAME,
     SHORT,
     SLOW,
     USUAL,
@@ -317,8 +320,8 @@ class JointSearch:
                 self._moved(fit)
         self._rank()
 
-    def _swept(self, noise: NoiseModel) -> tuple[Channel, ...]:
-        """Poles and delay of each input in turn, until none moves."""
+    def _swept(self, noise: NoiseModel, sinusoid: float = 0.0) -> tuple[Channel, ...]:
+        """Poles and delay of each input in turn, until none moves; beside a sinusoid or none."""
         record, channels = self.record, dict[int, Channel]()
         grid = np.exp(-1 / np.geomspace(
             SHORTEST, max(10.0, min(record.longest / 4, LONGEST)), TIME_CONSTANTS
@@ -331,8 +334,9 @@ class JointSearch:
             for j in self.inputs:
                 others = [one for i, one in channels.items() if i != j]
                 scan = channel_scan(
-                    record, j, candidates, others, noise, count=2, delays=self.delays
-                )
+                    record, j, candidates, others, noise, count=2, delays=self.delays,
+                    sinusoid=sinusoid,
+                )  # fmt: skip
                 value = record.count * np.log(scan.squares) + self.costs
                 i, delay = np.unravel_index(int(value.argmin()), value.shape)
                 channels[j] = Channel(j, candidates[int(i)], scan.numerators[i, delay], int(delay))
@@ -478,32 +482,37 @@ class JointSearch:
         """A sinusoid beside the level, of frequencies that the best models show.
 
         At the peak of the disturbance, and at poles that the record cannot tell from the circle: a
-        channel fits a sinusoid by its initial state.
+        channel fits a sinusoid by its initial state, and a long regression has it as a root.
         """
-        resolved, frequencies = RESOLVED / self.record.longest, list[float]()
+        record = self.record
+        resolved, frequencies = RESOLVED / record.longest, list[float]()
+        counts = record.observed.copy()
+        for part in record.parts[1:]:
+            counts[part.start : part.start + LONG] = False
+        long = regression_roots(record.y, record.u[list(self.inputs)], counts)
+        on_circle = (np.abs(long) > 1 - resolved / 2) & (long.imag > resolved)
+        frequencies += np.angle(long[on_circle]).tolist()[:1]
         for fit in self.fits[:2]:
             roots = [np.roots(fit.noise.D), *(np.roots(one.A) for one in fit.channels)]
             poles = np.concatenate(roots) + 0j
             poles = poles[(np.abs(poles) > 1 - resolved / 2) & (poles.imag > resolved)]
             peak = _peak(joint_disturbance(self.record, fit.channels))
             for omega in [*np.angle(poles), *([peak] if peak else [])]:
-                if all(abs(omega - other) > resolved for other in frequencies):
+                if all(abs(omega - other) > 10 * resolved / SAME for other in frequencies):
                     frequencies.append(float(omega))
-        for omega in frequencies[:2]:
-            self._behind_notch(omega)
+        for omega in frequencies[:3]:
+            self._beside_sinusoid(omega)
         self._rank()
 
-    def _behind_notch(self, omega: float) -> None:
-        """Models with a sinusoid beside the level, from the global start behind a notch."""
-        record, short, z = self.record, list[JointFit](), np.exp(1j * omega)
-        C, D = (np.real(np.poly([r * z, r / z])) for r in (NOTCH, 1.0))
-        starts = [self._swept(NoiseModel(C, D, i)) for i in (0, 1)]
+    def _beside_sinusoid(self, omega: float) -> None:
+        """Models with a sinusoid beside the level, from the global start beside one."""
+        record, short = self.record, list[JointFit]()
+        starts = [self._swept_beside(NoiseModel(ONE, *one), omega) for one in WHITENERS]
         starts += [one.channels for one in self.fits[:1]]
         for channels in starts:
             if any(_is_endless(one, record.longest) for one in channels):
                 continue
-            v = joint_disturbance(record, channels)
-            near, rest = without_sinusoid(v, omega, record.parts, record.observed)
+            near, rest = self._less_sinusoid(channels, omega)
             for orders in NOISES:
                 start = JointStart(channels, noise_start(rest, orders), sinusoid=near)
                 fit = joint_fit(record, start, iterations=SHORT)
@@ -515,6 +524,18 @@ class JointSearch:
                 fit = self._priced(tuned(record, fit))
                 self.fits.append(fit)
                 self._moved(fit)
+
+    def _swept_beside(self, noise: NoiseModel, omega: float) -> tuple[Channel, ...]:
+        """Poles and delays beside a sinusoid, whose frequency is corrected once."""
+        channels = self._swept(noise, omega)
+        near = self._less_sinusoid(channels, omega)[0]
+        is_same = abs(near - omega) < RESOLVED / self.record.longest / SAME
+        return channels if is_same else self._swept(noise, near)
+
+    def _less_sinusoid(self, channels: tuple[Channel, ...], omega: float) -> tuple[float, Array]:
+        """The frequency of the sinusoid that channels leave near one, and what is left then."""
+        v = joint_disturbance(self.record, channels)
+        return without_sinusoid(v, omega, self.record.parts, self.record.observed)
 
     def _cancelled(self) -> None:
         """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""

@@ -26,6 +26,7 @@ from rcac_numeric.identification._box_jenkins import (
 )
 from rcac_numeric.identification._delay_scan import (
     pole_starts,
+    regression_roots,
     regression_start,
     scanned_again,
     unstable_starts,
@@ -49,7 +50,6 @@ ALIKE = 2e-3  # distance at which a pair all but cancels at 0.02 rad/step and ab
 # Frequencies that a record resolves are 2 pi over its steps apart: a pole half of that from the
 # circle, and a zero within it, are a part of the disturbance as far as the record can tell.
 RESOLVED = 2 * float(np.pi)
-LONG, DEPENDENT = 40, 1e-10  # lags of a regression; share of a column below which it is rounding
 SAME = 50.0  # of that frequency: sinusoids within it have the same response beside them
 SLOW_WAVE = 0.3  # of that frequency: the slowest sinusoid that is tried in place of a pole
 REFITTED = 8  # models that are fitted again by Student's likelihood
@@ -552,7 +552,9 @@ class ProcessSearch:
         ]  # fmt: skip
         tried: list[float] = []
         near = 10 * RESOLVED / self.record.steps / SAME
-        for ringing in (_long_regression(self.record), np.concatenate(of_fits)):
+        record = self.record
+        regression = regression_roots(record.y, record.u[None], np.ones(record.steps, dtype=bool))
+        for ringing in (regression, np.concatenate(of_fits)):
             for omega in np.angle(self._on_circle(ringing)).tolist()[:2]:
                 if all(abs(omega - other) > near for other in tried):
                     tried.append(omega)
@@ -649,16 +651,6 @@ def _differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]
         return record.y, record.u
     y, u = record.y, record.u
     return np.diff(y, prepend=y[0]), np.diff(u, prepend=u[0])
-
-
-def _long_regression(record: ProcessRecord) -> ComplexArray:
-    """The roots of the polynomial of y in a regression of y on its past and that of u."""
-    y, u, steps = record.y, record.u, record.steps
-    p = min(LONG, steps // 6)
-    past = [later(one, k) for one in (y, u) for k in range(1, p + 1)]
-    X = np.stack([*past, np.ones(steps)])[:, p:]
-    of_y = np.linalg.lstsq(X.T, y[p:], rcond=DEPENDENT)[0][:p]
-    return roots_of(np.concatenate([ONE, -of_y]))
 
 
 def _without_jumps(record: ProcessRecord) -> Array | None:

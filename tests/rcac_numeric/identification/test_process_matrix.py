@@ -407,3 +407,17 @@ def test_the_u_before_each_experiment_does_not_reach_the_model(count):
     model = identify_process_matrix(u, y, experiments=(steps,) * count)
     np.testing.assert_allclose(model.gain, [[1.2, 2.0]], rtol=0.02)
     np.testing.assert_allclose(model.delays, [[30, 15]], atol=1)
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("seed", [2, 4])
+def test_steps_of_two_inputs_beside_a_sinusoid(seed):
+    """The first step and the sinusoid begin in the same rows; both inputs stand still there."""
+    rng, rows = np.random.default_rng(seed), np.arange(700)
+    u = np.stack([rows >= rng.integers(4, 16), rows >= 300], axis=1).astype(np.float64)
+    omega, phase = rng.uniform(0.01, 0.06), rng.uniform(0, 6)
+    y = lfilter([0] * 4 + [0.05], np.poly([0.9, 0.7]), u[:, 0])
+    y += lfilter([0] * 8 + [-0.1], [1, -0.9], u[:, 1])
+    y += 4 * np.sin(omega * rows + phase) + 0.1 * rng.standard_normal(700)
+    model = identify_process_matrix(u, y)
+    np.testing.assert_allclose(model.gain, [[5 / 3, -1.0]], rtol=0.15)
