@@ -154,29 +154,29 @@ class LogContents(Result):
     def __str__(self) -> str:
         return self.report()
 
-    def named(self, name: str) -> list[LogColumn]:
-        """The columns of a name: alone, with its topic, with its unit, or numbered from 0 or 1."""
+    def named(self, name: str, topic: str = "") -> list[LogColumn]:
+        """The columns of a name: alone, with its topic, with its unit, or numbered from 0 or 1.
+
+        Of several topics with a column of this name it is that of `topic`.
+        """
         exact = [c for c in self.columns if name in (c.full_name, c.name)]
         if exact:
-            return exact if len(exact) == 1 else _one_topic(self, name, exact)
+            return exact if len(exact) == 1 else _one_topic(self, name, exact, topic)
         bare, unit = split_unit(name)
         if unit:
             exact = [c for c in self.columns if (bare, unit) == (c.name, c.unit)]
             if exact:
                 return exact
-        members = _numbered(self.columns, name)
+        members = _numbered(self.columns, name, topic)
         if members:
             return members
         folded = [c for c in self.columns if name.lower() in (c.full_name.lower(), c.name.lower())]
         if folded:
-            return folded if len(folded) == 1 else _one_topic(self, name, folded)
-        return _numbered(self.columns, name, fold=True)
+            return folded if len(folded) == 1 else _one_topic(self, name, folded, topic)
+        return _numbered(self.columns, name, topic, fold=True)
 
-    def numbers_of(self, name: str) -> tuple[Array, str] | None:
-        """The numbers of a name, shape (rows,) or (rows, width), with their topic; or None."""
-        columns = self.named(name)
-        if not columns:
-            return None
+    def numbers_of(self, columns: Sequence[LogColumn]) -> tuple[Array, str]:
+        """The numbers of columns, shape (rows,) or (rows, width), with their topic."""
         for column in columns:
             if column.problem:
                 raise InputError(f"{column.problem}")
@@ -202,7 +202,9 @@ class LogContents(Result):
         return result
 
 
-def _numbered(columns: Sequence[LogColumn], name: str, *, fold: bool = False) -> list[LogColumn]:
+def _numbered(
+    columns: Sequence[LogColumn], name: str, topic: str = "", *, fold: bool = False
+) -> list[LogColumn]:
     """The columns name1, name2, ... in order, if they are consecutive from 0 or 1."""
     target = name.lower() if fold else name
     members: dict[str, dict[int, LogColumn]] = {}
@@ -213,6 +215,7 @@ def _numbered(columns: Sequence[LogColumn], name: str, *, fold: bool = False) ->
         base = match[1].lower() if fold else match[1]
         if target in (base, f"{column.topic}.{base}"):
             members.setdefault(column.topic, {})[int(match[2])] = column
+    members = {topic: members[topic]} if topic in members else members
     for parts in members.values():
         first, last = min(parts), max(parts)
         if first in (0, 1) and last - first + 1 == len(parts) and len(members) == 1:
@@ -220,12 +223,19 @@ def _numbered(columns: Sequence[LogColumn], name: str, *, fold: bool = False) ->
     return []
 
 
-def _one_topic(contents: LogContents, name: str, columns: list[LogColumn]) -> list[LogColumn]:
+def _one_topic(
+    contents: LogContents, name: str, columns: list[LogColumn], topic: str
+) -> list[LogColumn]:
+    """The column of the topic; refuses those of other topics."""
+    inside = [c for c in columns if c.topic == topic]
+    if len(inside) == 1:
+        return inside
     names = ", ".join(c.full_name for c in columns)
+    full = columns[0].full_name
+    option = f'"u={full}"' if " " in full else f"u={full}"
     raise InputError(
         f"{contents.source} has {len(columns)} columns {name!r}: {shortened(names, 200)}. Give the "
-        f"full name, for instance names={{'u': {columns[0].full_name!r}}}, at a shell "
-        f"--names u={columns[0].full_name}."
+        f"full name, for instance names={{'u': {full!r}}}, at a shell --names {option}."
     )
 
 
@@ -251,7 +261,8 @@ def with_clocks(
         if time == "none":
             continue
         unread = _not_rising(columns) if time is None else None
-        for chosen in _time_columns(columns, time if len(contents.topics) == 1 else None):
+        is_named = len(contents.topics) == 1 or any(time in (c.name, c.full_name) for c in columns)
+        for chosen in _time_columns(columns, time if is_named else None):
             if unread is not None and is_counter(chosen.name, chosen.unit):
                 continue
             times, unit = _times(chosen, columns, sample_time)
