@@ -29,6 +29,7 @@ from rcac_numeric.signals._text_tables import (
     Dialect,
     TextColumn,
     TextSource,
+    Unpacked,
     read_text_columns,
     refused_entry,
     require_names,

@@ -209,9 +209,9 @@ def _is_of_another_log(
     """Whether the topic of some columns has a u and a y, and those in use are of other topics."""
     if not {"u", "y"} <= signals.topics.keys() or columns[0].topic in signals.topics.values():
         return False
-    used = [c for role in ("u", "y") for name in signals.columns[role] for c in contents.named(name)]
-    inside = {c.name for c in contents.columns if c.topic == columns[0].topic}
-    return {c.name for c in used} <= inside
+    full_names = {*signals.columns["u"], *signals.columns["y"]}
+    used = {c.name for c in contents.columns if c.full_name in full_names}
+    return used <= {c.name for c in contents.columns if c.topic == columns[0].topic}
 
 
 def _split(contents: LogContents, name: str | Sequence[str]) -> list[str]:
