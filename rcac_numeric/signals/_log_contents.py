@@ -251,7 +251,8 @@ def with_clocks(
     that are named as signals hold no times.
     """
     clocks: dict[str, Clock | None] = {}
-    stamps = []
+    stamps: list[str] = []
+    notes = [*contents.notes]
     for topic in contents.topics:
         columns = [
             c for c in contents.columns
@@ -272,6 +273,7 @@ def with_clocks(
         else:
             constant = _constant(columns)
             clocks[topic] = unread if constant is None else constant
+            notes += _passed_over(columns) if clocks[topic] is None else []
             stamps += [] if unread is None else [unread.column]
             continue
         counts = unit != "time stamps" and is_counter(chosen.name, chosen.unit)
@@ -280,12 +282,13 @@ def with_clocks(
             times, chosen.full_name, unit=unit, is_counter=counts, lines=chosen.lines
         )  # fmt: skip
         stamps.append(chosen.full_name)
+        notes += _passed_over(columns) if counts and time is None else []
     if time not in (None, "none") and not stamps:
         raise InputError(
             f"{contents.source} has no column {time!r} with times; it has "
             f"{shortened(', '.join(c.full_name for c in contents.columns), 300)}."
         )
-    return attrs.evolve(contents, clocks=clocks)
+    return attrs.evolve(contents, clocks=clocks, notes=tuple(notes))
 
 
 def _time_columns(columns: Sequence[LogColumn], time: str | None) -> list[LogColumn]:
@@ -295,8 +298,8 @@ def _time_columns(columns: Sequence[LogColumn], time: str | None) -> list[LogCol
     long = [c for c in columns if _is_vector(c)]
     tests = (
         lambda c: c.stored == "time stamps",
-        lambda c: is_time(c.name, c.unit) and _may_be_time(c),
-        lambda c: c.values is None and seconds_of_texts(c.texts[:2]) is not None,
+        lambda c: is_time(c.name, c.unit) and not _is_day(c) and _may_be_time(c),
+        lambda c: c.values is None and not _is_day(c) and seconds_of_texts(c.texts[:2]) is not None,
         lambda c: is_counter(c.name, c.unit) and _rises(c),
     )
     return [c for test in tests for c in long if test(c)]
@@ -312,14 +315,45 @@ def _unread(columns: Sequence[LogColumn], name: str) -> Clock | None:
 def _not_rising(columns: Sequence[LogColumn]) -> Clock | None:
     """The refused clock of numbers whose name says that they are times, and which do not rise."""
     for column in columns:
-        is_clock = is_time(column.name, column.unit)
-        is_clock &= column.name not in "tT" or bool(column.unit)
-        is_clock &= column.name.lower() != "date"  # the day of all rows
-        if not is_clock or not _is_vector(column) or _may_be_time(column):
+        is_clock = is_time(column.name, column.unit) and not _is_quantity(column)
+        if not is_clock or not _is_vector(column) or _is_day(column) or _may_be_time(column):
             continue
         if column.values is not None:
             return clock_of(column.values.ravel(), column.full_name, lines=column.lines)
     return None
+
+
+def _is_quantity(column: LogColumn) -> bool:
+    """Whether the name may be that of a temperature or a thickness."""
+    return column.name in "tT" and not column.unit
+
+
+def _is_day(column: LogColumn) -> bool:
+    """Whether a column holds the day of all rows."""
+    if column.name.lower() != "date":
+        return False
+    if column.values is None:
+        return len({*column.texts}) == 1 and ":" not in column.texts[0]
+    return not _may_be_time(column)
+
+
+def _passed_over(columns: Sequence[LogColumn]) -> list[str]:
+    """The notes on columns that have names of times, and are none."""
+    notes = []
+    for column in columns:
+        is_time_name = is_time(column.name, column.unit) and _is_vector(column)
+        is_quantity = _is_quantity(column) and not _may_be_time(column)
+        if (
+            not is_time_name
+            or column.missing == column.rows
+            or not (is_quantity or _is_day(column))
+        ):
+            continue
+        d = np.zeros(1) if column.values is None else np.diff(column.values.ravel())
+        turns = int(np.count_nonzero(d < 0))
+        words = f"turns back in {turns} of {column.rows}" if turns else "has the same value in all"
+        notes.append(f"{column.full_name} {words} rows, and is not read as times")
+    return notes
 
 
 def _is_vector(column: LogColumn) -> bool:
