@@ -26,6 +26,7 @@ from .checks._conventions import Convention as Convention
 from .checks._health import LoopHealth as LoopHealth
 from .checks._plant_residual import PlantResidual as PlantResidual
 from .checks._replays import ControlReplay as ControlReplay
+from .checks._sample_shifts import SampleShift as SampleShift
 from .controllers._gain_schedule import ScheduledSteps as ScheduledSteps
 from .controllers._supervision import SupervisionEvent as SupervisionEvent
 from .controllers._supervision import SupervisionRecord as SupervisionRecord

@@ -24,6 +24,7 @@ from rcac_numeric.analysis._gramians import norm
 from rcac_numeric.analysis._obstacles import EPS, REGULATOR, balanced_pencil, words
 from rcac_numeric.analysis._square_roots import triangle
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._balancing import balancing_scales, scaled_states
 from rcac_numeric.arrays._definite_matrices import square_root_columns
 from rcac_numeric.arrays._values import Result
 
@@ -263,8 +264,8 @@ def _by_sampling(
 
 def _require_stabilisable(A: Array, B: Array) -> None:
     """Raise for an uncontrollable mode of A on or right of the imaginary axis."""
-    _, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
-    A, B = A * scale / scale[:, None], B / scale[:, None]
+    scale = balancing_scales(A)
+    A, B = scaled_states(A, scale), B / scale[:, None]
     size = norm(A) or 1.0
     widths = np.linalg.norm(B, axis=0)
     scaled = B[:, widths > 0] / widths[widths > 0] * size
@@ -290,8 +291,8 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
     """
     onto = np.linalg.lstsq(E_2, E_1, rcond=None)[0]
     inner, rest = A - B @ onto, E_1 - E_2 @ onto
-    _, (scale, _) = linalg.matrix_balance(inner, permute=False, separate=True)
-    inner, rest = inner * scale / scale[:, None], rest * scale
+    scale = balancing_scales(inner)
+    inner, rest = scaled_states(inner, scale), rest * scale
     size = norm(inner) or 1.0
     shown = rest / (norm(E_1 * scale) or 1.0) * size
     modes = np.linalg.eigvals(inner)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import matrix_balance
 from sympy import ImmutableMatrix
 
 from compensator_theory import InputError, Realisation, closed_loop_matrix, figures, realisation
@@ -20,6 +19,7 @@ from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.roots._certified import root_balls
 from rcac_numeric.analysis._loop_analysis import closed_loop
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._balancing import balancing_scales, scaled_states
 from rcac_numeric.arrays._validation import integer, number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.arrays._wording import matrix_latex
@@ -294,7 +294,9 @@ def observer_forms(
             f"the closed loop has several Jordan blocks for the roots of {repeated.as_expr()}, so "
             "that its forms make up a continuum; compensator_theory.observer_forms parametrises it"
         )
-    loop, scale = matrix_balance(_rounded(exact_loop), permute=False, separate=True)
+    rounded = _rounded(exact_loop)
+    scale = balancing_scales(rounded)
+    loop = scaled_states(rounded, scale)
     columns, roots, choices = kernel_bases(loop, rounded_roots(Dtilde))
     regulator, observer = selections(choices, n, n_c)
     V = np.linalg.qr(np.moveaxis(columns[:, regulator], 1, 0)).Q  # forms x (n + n_c) x n
@@ -304,7 +306,7 @@ def observer_forms(
     T = solved(V_1[admissible].transpose(0, 2, 1), V_2[admissible].transpose(0, 2, 1)).transpose(
         0, 2, 1
     )
-    plant_scale, other = scale[0][:n], scale[0][n:]
+    plant_scale, other = scale[:n], scale[n:]
     B_c, C_c = _rounded(controller.B), _rounded(controller.C)
     F = None
     if n == n_c:

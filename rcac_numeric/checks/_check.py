@@ -43,6 +43,7 @@ from rcac_numeric.checks._plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks._regressor import require_fit
 from rcac_numeric.checks._replays import ControlReplay, Replayer, limits_of_u, replay_compensator
 from rcac_numeric.checks._run_replays import replay_run
+from rcac_numeric.checks._sample_shifts import SampleShift, search_sample_shifts
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -108,6 +109,8 @@ class ControllerCheck(Result):
     conventions : ConventionSearch or None
         Where the logged u is not the output of the logged coefficients: the conventions of other
         programs by which it is.
+    sample_shift : SampleShift or None
+        Where no convention does: newer or older samples of y, or of its sum, by which it is.
     run : Run or None
         The run, where the log is that of one with its own plant.
     settings : ControllerSettings, FixedController or another controller, or None
@@ -136,6 +139,7 @@ class ControllerCheck(Result):
     is_fixed: bool = False
     decision: Decision | str | None = None
     conventions: ConventionSearch | None = None
+    sample_shift: SampleShift | None = None
     run: Run | None = None
     settings: AnyController | None = None
 
@@ -384,7 +388,7 @@ def check_controller(
     if compensator is None and not has_theta:
         k_w = None  # polynomials of a log are those that it ended with
     limits = limits_of_u(log, u_limits)
-    conventions, drift, unanswered = None, None, {}
+    conventions, sample_shift, drift, unanswered = None, None, None, {}
     replayed: ControlReplay | None = None
     of_run: ControlReplay | str | None = None
     if has_theta and structure is not None:
@@ -398,6 +402,8 @@ def check_controller(
                 replayed = of_run
         if replayed is not None and not replayed.agrees and is_default:
             conventions = search_conventions(replayer, replayed, limits)
+            if not conventions.matches:
+                sample_shift = search_sample_shifts(replayer, replayed, limits)
         if log.has_history:
             assert log.theta is not None
             drift = drift_of(log.theta)
@@ -442,7 +448,7 @@ def check_controller(
         disk = multivariable_disk_margin(loop) if plant.l_u > 1 and loop.is_stable else None
     return ControllerCheck(
         log, structure, fixed, target, analysis, replayed, drift, residual, costs, margins, disk,
-        unanswered, is_fixed, conventions=conventions, run=run,
+        unanswered, is_fixed, conventions=conventions, run=run, sample_shift=sample_shift,
         settings=None if checked_run is None else checked_run.settings,
     )  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -185,6 +186,12 @@ class Replayer:
     ) -> None:
         self.log, self.structure, self.errors = log, structure, LogErrors(log, tolerance)
         self.first = structure.n_c if k_w is None else max(k_w, 0)
+
+    def with_structure(self, structure: Structure) -> Replayer:
+        """The same log with another structure of as many coefficients."""
+        other = copy(self)
+        other.structure = structure
+        return other
 
     def replay(
         self, convention: Convention, limits: tuple[Array, Array] | None = None

@@ -161,6 +161,8 @@ def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[Healt
         numbers = {}
         if search is not None and search.is_unique:
             numbers["next_step"] = f"the check with {search.matches[0].options}"
+        elif check.sample_shift is not None:
+            numbers["next_step"] = check.sample_shift.next_step
         warnings.append(("inconsistent log", numbers))
     if check.drift is not None and check.drift.relative > UNSETTLED:
         warnings.append(("unsettled", {"moved": check.drift.relative}))

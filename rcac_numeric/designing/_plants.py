@@ -9,12 +9,19 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, expm, logm, matrix_balance
+from scipy.linalg import block_diag, expm, logm
 
 import compensator_theory as exact
-from compensator_theory.errors import BudgetError, ImproperError, InputError, NoSolutionError
+from compensator_theory.errors import (
+    BudgetError,
+    IllConditionedError,
+    ImproperError,
+    InputError,
+    NoSolutionError,
+)
 from compensator_theory.systems._descriptions import has_states, shape_of
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._balancing import balancing_scales, scaled_states
 from rcac_numeric.arrays._validation import (
     instance_of,
     integer,
@@ -36,6 +43,7 @@ from rcac_numeric.targets._modelling import ModellingInformation
 from rcac_numeric.targets._zero_directions import DirectionInformation
 
 MOST_SIGNALS = 4  # inputs and outputs
+GAINS = (1e-100, 1e100)  # beyond them squares of signals leave float64
 ALIKE = 100.0  # the gain of an output, or of an input, over that of another
 MOST_STATES = 40  # beyond it each Riccati equation of the weight grid and peaks takes seconds
 LONGEST_DELAY = 60  # steps: theta has two coefficients for each
@@ -297,16 +305,36 @@ def _hold_sampled(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
     return whole, np.vstack([rest_B, np.eye(m)])
 
 
+@np.errstate(all="ignore")  # what leaves float64 is refused
 def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
-    """Scale the states by powers of two to similar size."""
-    point = (1 + 1j) * np.eye(len(A))  # any point: only the size of y over u matters
+    """Scale the states by powers of two to similar size.
+
+    Raises
+    ------
+    IllConditionedError
+        If the gain, or an entry of the result, leaves float64.
+    """
+    # Any point that is no pole of a plant with neat numbers: only the size of y over u matters.
+    point = (1 + 1j) * (1 + 2.0**-20) * np.eye(len(A))
     n, m = B.shape
-    gain = np.linalg.norm(C @ np.linalg.solve(point - A, B), 2) or 1.0
-    whole = np.block([[A, B], [C / gain, np.zeros((m, m))]])
-    _, (scale, _) = matrix_balance(whole, permute=False, separate=True)
-    # What is common to u and y is left out, so that only the states move.
-    by = scale[:n] / np.exp2(np.round(np.mean(np.log2(scale[n:]))))
-    return A * by / by[:, None], B / by[:, None], C * by
+    matrices = A, B, C
+    if all(np.isfinite(matrix).all() for matrix in matrices):
+        gain = float(np.linalg.norm(C @ np.linalg.solve(point - A, B), 2)) or 1.0
+        whole = np.block([[A, B], [C / gain, np.zeros((m, m))]])
+        if np.isfinite(whole).all() and np.isfinite(gain):
+            scale = balancing_scales(whole)
+            # What is common to u and y is left out, so that only the states move.
+            scale[n:] = np.exp2(np.round(np.mean(np.log2(scale[n:]))))
+            whole = scaled_states(np.block([[A, B], [C, np.zeros((m, m))]]), scale)
+            matrices = whole[:n, :n], whole[:n, n:], whole[n:, :n]
+            if np.isfinite(whole).all():
+                return matrices
+    sizes = [size for matrix in matrices for size in (np.abs(matrix[matrix != 0]),) if size.size]
+    raise IllConditionedError(
+        f"the plant leaves float64: its entries are {min(s.min() for s in sizes):.3g} to "
+        f"{max(s.max() for s in sizes):.3g}. Give u and y in units of their ranges, and time in "
+        "units of the time constants."
+    )
 
 
 def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignPlant:
@@ -518,6 +546,12 @@ def checked_plant(plant: DesignPlant) -> DesignPlant:
         )
     if not len(plant.A) or not plant.low_gain > 0:
         raise InputError("u has no effect on y: the plant has gain 0.")
+    if not GAINS[0] <= plant.low_gain <= GAINS[1]:
+        raise InputError(
+            f"the plant has a gain of {plant.low_gain:.3g} at {LOW} rad/step, outside "
+            f"{GAINS[0]:g} to {GAINS[1]:g}. Give u and y in units of their ranges, and a "
+            "sample_time of the size of the time constants."
+        )
     size = np.abs(plant.response(LOW)[0])
     for name, axis in (("output", 1), ("input", 0)):
         gains = np.linalg.norm(size, axis=axis)

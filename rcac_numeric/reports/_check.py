@@ -83,7 +83,8 @@ def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
     residual, decision = check.plant_residual, check.decision
     lines = []
     if not check.is_consistent:
-        doubt = check.replay if check.conventions is None else check.conventions
+        doubts = check.sample_shift, check.conventions, check.replay
+        doubt = next(one for one in doubts if one is not None)
         lines.append(Text(str(doubt), "bad"))
     if residual is not None and residual.is_doubtful:
         lines.append(Text(str(residual), "bad"))

@@ -194,9 +194,10 @@ def read_ulog(file: Path) -> tuple[list[LogColumn], list[str]]:
 # Spreadsheets
 
 
-def read_spreadsheet(file: Path) -> tuple[Unpacked, str]:
-    """Return the first sheet with rows as text with tabs, and its name."""
+def read_spreadsheet(file: Path) -> dict[str, Unpacked]:
+    """Return the sheets that have rows, by their titles, as text with tabs."""
     openpyxl = imported("openpyxl")
+    sheets = {}
     with reading(file, "a spreadsheet"):
         with zipfile.ZipFile(file) as archive:
             if sum(member.file_size for member in archive.infolist()) > MOST_BYTES:
@@ -204,13 +205,21 @@ def read_spreadsheet(file: Path) -> tuple[Unpacked, str]:
         book = openpyxl.load_workbook(file, read_only=True, data_only=True)
         limit = ReadingLimit(file)
         for sheet in book.worksheets:
-            lines = []
+            rows = []
             for row in sheet.iter_rows(values_only=True):
                 limit.take([max(len(row), 1)])
-                lines.append("\t".join(map(_entry, row)))
-            if sum(bool(line.strip()) for line in lines) > 1:
-                return Unpacked(str(file), "\n".join([*lines, ""]).encode()), sheet.title
-    raise InputError(f"{file} has no sheet with rows of numbers.")
+                rows.append([*map(_entry, row)])
+            if sum(any(row) for row in rows) > 1:
+                # A sheet may end each row at its last cell.
+                width = max(i for row in rows for i, entry in enumerate(row, 1) if entry)
+                lines = ["\t".join([*row[:width], *[""] * (width - len(row))]) for row in rows]
+                data = "\n".join([*lines, ""]).encode()
+                # Lines of a .csv pasted into one column have a separator in their cells.
+                separator = "\t" if width > 1 else ""
+                sheets[sheet.title] = Unpacked(f"{file}, sheet {sheet.title!r}", data, separator)
+    if not sheets:
+        raise InputError(f"{file} has no sheet with rows of numbers.")
+    return sheets
 
 
 def _entry(value: Any) -> str:

@@ -29,6 +29,7 @@ from rcac_numeric.signals._text_tables import (
     Dialect,
     TextColumn,
     TextSource,
+    Unpacked,
     read_text_columns,
     refused_entry,
     require_names,
@@ -51,6 +52,9 @@ ELSEWHERE = {
     ".mf4": "Export it to .csv or .mat (asammdf)", ".mdf": "Export it to .csv or .mat (asammdf)",
     ".tdms": "Export it to .csv",
 }  # fmt: skip
+
+
+LEAST_ROWS, LEAST_COLUMNS = 10, 2  # of a sheet that may be a log
 
 
 def is_log_file(path: str | Path) -> bool:
@@ -89,9 +93,7 @@ def read_contents(source: Any, columns: Sequence[str] = ()) -> LogContents:
         if inner in TEXTS:
             return _of_text(file, unpacked(file) if suffix == ".gz" else file, columns)
         if suffix == ".xlsx":
-            sheet, title = read_spreadsheet(file)
-            contents = _of_text(file, sheet, columns)
-            return attrs.evolve(contents, format=f"text of the sheet {title!r}")
+            return _of_sheets(file, read_spreadsheet(file), columns)
         return _of_arrays(file, suffix, columns)
     except OSError as error:
         raise InputError(f"{file} cannot be read: {error.strerror or error}.") from None
@@ -102,6 +104,42 @@ def _of_text(file: Path, text: TextSource, names: Sequence[str]) -> LogContents:
     parts, dialect = read_text_columns(text, names, notes)
     columns = tuple(_of_text_column(part) for part in parts)
     return LogContents(str(file), _dialect_in_words(file, dialect), columns, notes=tuple(notes))
+
+
+def _of_sheets(file: Path, sheets: Mapping[str, Unpacked], names: Sequence[str]) -> LogContents:
+    """The tables of numbers in a workbook: one sheet as a table, several as topics."""
+    tables, sizes, problems = {}, {}, {}
+    for title, text in sheets.items():
+        try:
+            tables[title] = _of_text(file, text, names)
+            sizes[title] = _numeric_columns(tables[title])
+        except InputError as error:
+            problems[title] = error
+    most = max(sizes.values(), default=0)
+    titles = [title for title, size in sizes.items() if size >= min(most, LEAST_COLUMNS)]
+    if not most:
+        titles = [max(sheets, key=lambda title: len(sheets[title].data))]
+        if titles[0] in problems:
+            raise problems[titles[0]]
+    notes = [note for title in titles for note in tables[title].notes]
+    if rest := [repr(title) for title in sheets if title not in titles]:
+        sheets_read = ", ".join(map(repr, titles))
+        notes.append(f"read: sheet {sheets_read}; without a table of numbers: {', '.join(rest)}")
+    words = f"text of the sheet{'s' * (len(titles) > 1)} {', '.join(map(repr, titles))}"
+    if len(titles) == 1:
+        source = str(sheets[titles[0]] if len(sheets) > 1 else file)
+        table = tables[titles[0]]
+        return attrs.evolve(table, source=source, format=words, notes=tuple(notes))
+    columns = [attrs.evolve(c, topic=title) for title in titles for c in tables[title].columns]
+    return LogContents(str(file), words, tuple(columns), notes=tuple(notes))
+
+
+def _numeric_columns(table: LogContents) -> int:
+    """Number of named columns with numbers in as many rows as a log has; a cover has fewer."""
+    return sum(
+        bool(c.name) and c.values is not None and c.rows - c.missing >= LEAST_ROWS
+        for c in table.columns
+    )
 
 
 def _of_text_column(part: TextColumn) -> LogColumn:

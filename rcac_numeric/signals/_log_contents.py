@@ -154,29 +154,29 @@ class LogContents(Result):
     def __str__(self) -> str:
         return self.report()
 
-    def named(self, name: str) -> list[LogColumn]:
-        """The columns of a name: alone, with its topic, with its unit, or numbered from 0 or 1."""
+    def named(self, name: str, topic: str = "") -> list[LogColumn]:
+        """The columns of a name: alone, with its topic, with its unit, or numbered from 0 or 1.
+
+        Of several topics with a column of this name it is that of `topic`.
+        """
         exact = [c for c in self.columns if name in (c.full_name, c.name)]
         if exact:
-            return exact if len(exact) == 1 else _one_topic(self, name, exact)
+            return exact if len(exact) == 1 else _one_topic(self, name, exact, topic)
         bare, unit = split_unit(name)
         if unit:
             exact = [c for c in self.columns if (bare, unit) == (c.name, c.unit)]
             if exact:
                 return exact
-        members = _numbered(self.columns, name)
+        members = _numbered(self.columns, name, topic)
         if members:
             return members
         folded = [c for c in self.columns if name.lower() in (c.full_name.lower(), c.name.lower())]
         if folded:
-            return folded if len(folded) == 1 else _one_topic(self, name, folded)
-        return _numbered(self.columns, name, fold=True)
+            return folded if len(folded) == 1 else _one_topic(self, name, folded, topic)
+        return _numbered(self.columns, name, topic, fold=True)
 
-    def numbers_of(self, name: str) -> tuple[Array, str] | None:
-        """The numbers of a name, shape (rows,) or (rows, width), with their topic; or None."""
-        columns = self.named(name)
-        if not columns:
-            return None
+    def numbers_of(self, columns: Sequence[LogColumn]) -> tuple[Array, str]:
+        """The numbers of columns, shape (rows,) or (rows, width), with their topic."""
         for column in columns:
             if column.problem:
                 raise InputError(f"{column.problem}")
@@ -202,7 +202,9 @@ class LogContents(Result):
         return result
 
 
-def _numbered(columns: Sequence[LogColumn], name: str, *, fold: bool = False) -> list[LogColumn]:
+def _numbered(
+    columns: Sequence[LogColumn], name: str, topic: str = "", *, fold: bool = False
+) -> list[LogColumn]:
     """The columns name1, name2, ... in order, if they are consecutive from 0 or 1."""
     target = name.lower() if fold else name
     members: dict[str, dict[int, LogColumn]] = {}
@@ -213,6 +215,7 @@ def _numbered(columns: Sequence[LogColumn], name: str, *, fold: bool = False) ->
         base = match[1].lower() if fold else match[1]
         if target in (base, f"{column.topic}.{base}"):
             members.setdefault(column.topic, {})[int(match[2])] = column
+    members = {topic: members[topic]} if topic in members else members
     for parts in members.values():
         first, last = min(parts), max(parts)
         if first in (0, 1) and last - first + 1 == len(parts) and len(members) == 1:
@@ -220,12 +223,19 @@ def _numbered(columns: Sequence[LogColumn], name: str, *, fold: bool = False) ->
     return []
 
 
-def _one_topic(contents: LogContents, name: str, columns: list[LogColumn]) -> list[LogColumn]:
+def _one_topic(
+    contents: LogContents, name: str, columns: list[LogColumn], topic: str
+) -> list[LogColumn]:
+    """The column of the topic; refuses those of other topics."""
+    inside = [c for c in columns if c.topic == topic]
+    if len(inside) == 1:
+        return inside
     names = ", ".join(c.full_name for c in columns)
+    full = columns[0].full_name
+    option = f'"u={full}"' if " " in full else f"u={full}"
     raise InputError(
         f"{contents.source} has {len(columns)} columns {name!r}: {shortened(names, 200)}. Give the "
-        f"full name, for instance names={{'u': {columns[0].full_name!r}}}, at a shell "
-        f"--names u={columns[0].full_name}."
+        f"full name, for instance names={{'u': {full!r}}}, at a shell --names {option}."
     )
 
 
@@ -241,7 +251,8 @@ def with_clocks(
     that are named as signals hold no times.
     """
     clocks: dict[str, Clock | None] = {}
-    stamps = []
+    stamps: list[str] = []
+    notes = [*contents.notes]
     for topic in contents.topics:
         columns = [
             c for c in contents.columns
@@ -251,7 +262,8 @@ def with_clocks(
         if time == "none":
             continue
         unread = _not_rising(columns) if time is None else None
-        for chosen in _time_columns(columns, time if len(contents.topics) == 1 else None):
+        is_named = len(contents.topics) == 1 or any(time in (c.name, c.full_name) for c in columns)
+        for chosen in _time_columns(columns, time if is_named else None):
             if unread is not None and is_counter(chosen.name, chosen.unit):
                 continue
             times, unit = _times(chosen, columns, sample_time)
@@ -261,6 +273,7 @@ def with_clocks(
         else:
             constant = _constant(columns)
             clocks[topic] = unread if constant is None else constant
+            notes += _passed_over(columns) if clocks[topic] is None else []
             stamps += [] if unread is None else [unread.column]
             continue
         counts = unit != "time stamps" and is_counter(chosen.name, chosen.unit)
@@ -269,12 +282,13 @@ def with_clocks(
             times, chosen.full_name, unit=unit, is_counter=counts, lines=chosen.lines
         )  # fmt: skip
         stamps.append(chosen.full_name)
+        notes += _passed_over(columns) if counts and time is None else []
     if time not in (None, "none") and not stamps:
         raise InputError(
             f"{contents.source} has no column {time!r} with times; it has "
             f"{shortened(', '.join(c.full_name for c in contents.columns), 300)}."
         )
-    return attrs.evolve(contents, clocks=clocks)
+    return attrs.evolve(contents, clocks=clocks, notes=tuple(notes))
 
 
 def _time_columns(columns: Sequence[LogColumn], time: str | None) -> list[LogColumn]:
@@ -284,8 +298,8 @@ def _time_columns(columns: Sequence[LogColumn], time: str | None) -> list[LogCol
     long = [c for c in columns if _is_vector(c)]
     tests = (
         lambda c: c.stored == "time stamps",
-        lambda c: is_time(c.name, c.unit) and _may_be_time(c),
-        lambda c: c.values is None and seconds_of_texts(c.texts[:2]) is not None,
+        lambda c: is_time(c.name, c.unit) and not _is_day(c) and _may_be_time(c),
+        lambda c: c.values is None and not _is_day(c) and seconds_of_texts(c.texts[:2]) is not None,
         lambda c: is_counter(c.name, c.unit) and _rises(c),
     )
     return [c for test in tests for c in long if test(c)]
@@ -301,14 +315,45 @@ def _unread(columns: Sequence[LogColumn], name: str) -> Clock | None:
 def _not_rising(columns: Sequence[LogColumn]) -> Clock | None:
     """The refused clock of numbers whose name says that they are times, and which do not rise."""
     for column in columns:
-        is_clock = is_time(column.name, column.unit)
-        is_clock &= column.name not in "tT" or bool(column.unit)
-        is_clock &= column.name.lower() != "date"  # the day of all rows
-        if not is_clock or not _is_vector(column) or _may_be_time(column):
+        is_clock = is_time(column.name, column.unit) and not _is_quantity(column)
+        if not is_clock or not _is_vector(column) or _is_day(column) or _may_be_time(column):
             continue
         if column.values is not None:
             return clock_of(column.values.ravel(), column.full_name, lines=column.lines)
     return None
+
+
+def _is_quantity(column: LogColumn) -> bool:
+    """Whether the name may be that of a temperature or a thickness."""
+    return column.name in "tT" and not column.unit
+
+
+def _is_day(column: LogColumn) -> bool:
+    """Whether a column holds the day of all rows."""
+    if column.name.lower() != "date":
+        return False
+    if column.values is None:
+        return len({*column.texts}) == 1 and ":" not in column.texts[0]
+    return not _may_be_time(column)
+
+
+def _passed_over(columns: Sequence[LogColumn]) -> list[str]:
+    """The notes on columns that have names of times, and are none."""
+    notes = []
+    for column in columns:
+        is_time_name = is_time(column.name, column.unit) and _is_vector(column)
+        is_quantity = _is_quantity(column) and not _may_be_time(column)
+        if (
+            not is_time_name
+            or column.missing == column.rows
+            or not (is_quantity or _is_day(column))
+        ):
+            continue
+        d = np.zeros(1) if column.values is None else np.diff(column.values.ravel())
+        turns = int(np.count_nonzero(d < 0))
+        words = f"turns back in {turns} of {column.rows}" if turns else "has the same value in all"
+        notes.append(f"{column.full_name} {words} rows, and is not read as times")
+    return notes
 
 
 def _is_vector(column: LogColumn) -> bool:

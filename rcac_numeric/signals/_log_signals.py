@@ -17,7 +17,7 @@ from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.signals._clock import TIMES, Clock, clock_of
 from rcac_numeric.signals._data_files import read_contents
-from rcac_numeric.signals._log_contents import LogContents, with_clocks
+from rcac_numeric.signals._log_contents import LogColumn, LogContents, with_clocks
 from rcac_numeric.signals._text_tables import without_head
 
 SIGNALS = ("u", "y", "z", "w", "r")
@@ -100,6 +100,7 @@ def read_signals(
     signals = signals_of(
         contents, names, transpose=transpose, sample_time=sample_time, resample=resample
     )
+    signals.notes[:0] = contents.notes
     return signals, contents.source
 
 
@@ -169,20 +170,22 @@ def _chosen(contents: LogContents, names: Names) -> LogSignals:
         if role not in ROLES:
             raise InputError(f"names: {role!r} is not known; rename {', '.join(ROLES)}.")
     signals = LogSignals()
-    for role in ROLES:
+    topic = ""
+    for role in sorted(ROLES, key=lambda role: role not in names):  # a full name chooses its topic
         name = names.get(role, role)
         parts = []
         for part in _split(contents, name):
-            columns = contents.named(part)
+            columns = contents.named(part, topic)
             if not columns:
                 if role in names or role in ("u", "y"):
                     raise InputError(_missing(contents, role, part, names))
                 break
-            numbers = contents.numbers_of(part)
-            assert numbers is not None
-            parts.append((*numbers, columns))
+            if role not in names and _is_of_another_log(contents, columns, signals):
+                break
+            parts.append((*contents.numbers_of(columns), columns))
         if not parts:
             continue
+        topic = topic or parts[0][1]
         topics = {topic for _, topic, _ in parts}
         if len(topics) > 1:
             raise InputError(
@@ -198,6 +201,17 @@ def _chosen(contents: LogContents, names: Names) -> LogSignals:
         signals.topics[role] = parts[0][1]
         signals.columns[role] = tuple(c.full_name for _, _, columns in parts for c in columns)
     return signals
+
+
+def _is_of_another_log(
+    contents: LogContents, columns: Sequence[LogColumn], signals: LogSignals
+) -> bool:
+    """Whether the topic of some columns has a u and a y, and those in use are of other topics."""
+    if not {"u", "y"} <= signals.topics.keys() or columns[0].topic in signals.topics.values():
+        return False
+    full_names = {*signals.columns["u"], *signals.columns["y"]}
+    used = {c.name for c in contents.columns if c.full_name in full_names}
+    return used <= {c.name for c in contents.columns if c.topic == columns[0].topic}
 
 
 def _split(contents: LogContents, name: str | Sequence[str]) -> list[str]:

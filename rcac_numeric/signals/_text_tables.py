@@ -144,6 +144,7 @@ class Unpacked:
 
     name: str
     data: bytes = field(repr=False)
+    separator: str = ""  # where the writer knows it
 
     def __str__(self) -> str:
         return self.name
@@ -223,7 +224,7 @@ def _dialect(file: TextSource, encoding: str) -> Dialect:
         size += len(line)
         if size > LONGEST_HEAD:
             break
-    forced, skipped = "", 0
+    forced, skipped = file.separator if isinstance(file, Unpacked) else "", 0
     if lines and (match := re.fullmatch(r'"?sep=(.)"?\s*', lines[0], re.IGNORECASE)):
         forced, skipped = match[1], 1
     rows = {

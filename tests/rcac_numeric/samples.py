@@ -462,6 +462,9 @@ SAMPLES = {
     ),
     results.ConventionMatch: lambda seed: search(seed).closest,
     results.ConventionSearch: search,
+    results.SampleShift: lambda seed: results.SampleShift(
+        rcac.iir(1 + seed), -1, False, search(seed).closest
+    ),
     results.PlantResidual: lambda seed: results.PlantResidual(1.0 + seed, 2.0, 0.5),
     results.ControllerCheck: check,
 }

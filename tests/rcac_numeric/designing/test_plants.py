@@ -251,3 +251,17 @@ def test_a_controller_that_skips_steps_has_the_plant_with_u_held(every, delay, p
 
     expected = outputs(plant, np.repeat(u, every))[::every]
     np.testing.assert_allclose(outputs(slow, u), expected, atol=1e-9 * (1 + np.abs(expected).max()))
+
+
+@pytest.mark.parametrize(
+    "G", ["1e-300/(s + 1)", "1e300/(s + 1)", "1/(1e300*s + 1)", "1/((1e150*s + 1)*(1e-150*s + 1))"]
+)
+def test_gains_near_the_ends_of_float64(G):
+    with pytest.raises(InputError, match=r"the plant has a gain of .*Give u and y in units of"):
+        read_plant(G, 0.1, 0.0)
+
+
+@pytest.mark.parametrize("G", ["1/((1e30*s + 1)*(1e-30*s + 1))", "1/(q**2 - 2*q + 2)"])
+def test_plants_of_extreme_numbers_that_are_read(G):
+    plant = read_plant(G, 0.1, 0.0)
+    assert np.isfinite(plant.response(0.5)).all() and plant.low_gain > 0

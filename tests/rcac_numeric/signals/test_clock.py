@@ -336,3 +336,47 @@ def test_a_check_of_a_log_with_times_has_seconds():
         read_log(table, time="none"), compensator=compensator, plant=plant, sample_time=0.02
     ).margins
     assert check.margins == margins
+
+
+TURNING = [20.0 + (-1) ** k for k in range(40)]
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "note"),
+    [
+        ("T", TURNING, "T turns back in 20 of 40 rows"),
+        ("t", TURNING, "t turns back in 20 of 40 rows"),
+        ("t", [5.0] * 40, "t has the same value in all rows"),
+        ("date", ["2026-03-04"] * 40, "date has the same value in all rows"),
+        ("Date", ["04.03.2026"] * 40, "Date has the same value in all rows"),
+        ("date", [20260304] * 40, "date has the same value in all rows"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("has_counter", [False, True])
+def test_columns_with_names_of_times_that_are_none_are_named(name, values, note, has_counter):
+    table = {name: values, "u": np.arange(40) % 3, "y": np.arange(40) % 5}
+    table |= {"k": np.arange(40)} if has_counter else {}
+    frame = pandas.DataFrame(table)
+    log = read_log(frame.set_index("k") if has_counter else frame[[*table]], time=None)
+    assert (
+        log.notes == (f"{note}, and is not read as times",)
+        and log.steps == 40
+        and log.sample_time is None
+    )
+    with pytest.raises(InputError, match=r"turns back|same stamp"):
+        read_log(frame, time=name)
+
+
+@pytest.mark.parametrize("table", [
+    {"time": 0.1 * np.arange(40), "T": TURNING},
+    {"date": ["2026-03-04"] * 40, "time": [f"12:00:{k:02d}.0" for k in range(40)]},
+    {"date": [""] * 40}, {"T": TURNING[:1] * 40, "t": 0.1 * np.arange(40)},
+])  # fmt: skip
+def test_nothing_is_said_of_them_beside_a_clock(table):
+    signals = {"u": np.arange(40) % 3, "y": np.arange(40) % 5}
+    assert read_log(pandas.DataFrame(table | signals)).notes == ()
+
+
+def test_a_temperature_that_is_a_signal_is_no_clock():
+    log = read_log({"T": TURNING, "u": np.arange(40) % 3}, names={"y": "T"})
+    assert log.notes == () and log.clock == ""

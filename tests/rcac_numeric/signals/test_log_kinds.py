@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from datetime import datetime, timedelta
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -317,6 +318,72 @@ def _(path):
     ):
         sheet.append([v if isinstance(v, str) else float(v) for v in row])
     book.save(path)
+
+
+COVER = [
+    ["Heater, test 3"], [], ["Operator", "Max"], ["Date", BEGIN], ["Sample time", 0.1],
+    ["rig", "revision", "gain"], [4, 2, 0.5],
+]  # fmt: skip
+TABLE = [["t", "u", "y"], *zip(T.tolist(), U.tolist(), Y.tolist(), strict=True)]
+
+
+def workbook(path, sheets):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for title, rows in sheets.items():
+        sheet = book.create_sheet(title)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+def without(*names):
+    """The table without some columns."""
+    columns = [j for j, name in enumerate(TABLE[0]) if name not in names]
+    return [[row[j] for j in columns] for row in TABLE]
+
+
+WORKBOOKS = {
+    "a cover before": {"Cover": COVER, "Data": TABLE},
+    "a cover of two texts": {"Cover": [["by Max"], ["for Eva"]], "Data": TABLE},
+    "key figures behind": {"Data": TABLE, "Summary": [["", "mean"], ["u", 0.1], ["y", 0.2]]},
+    "u and y on a sheet each": {"Cover": COVER, "Input": without("y"), "Output": without("u")},
+    "lines of a .csv in one column": {
+        "Data": [[",".join(f"{v:.12g}" if k else v for v in row)] for k, row in enumerate(TABLE)]
+    },
+}  # fmt: skip
+for kind, sheets in WORKBOOKS.items():
+    log("openpyxl", kind, ".xlsx", tolerance=1e-9)(partial(workbook, sheets=sheets))
+
+
+def test_the_sheets_of_a_workbook_are_named(tmp_path):
+    path = workbook(tmp_path / "log.xlsx", {"Cover": COVER, "Data": TABLE, "Notes": [["a"], ["b"]]})
+    read = read_log(path)
+    assert read.source == f"{path}, sheet 'Data'"
+    assert read.notes == ("read: sheet 'Data'; without a table of numbers: 'Cover', 'Notes'",)
+    assert read.notes == inspect_log(path).notes
+    with pytest.raises(InputError, match="sheet 'Data' has no 'v', needed as u; it has t, u, y"):
+        read_log(path, {"u": "v"})
+    bare = workbook(tmp_path / "bare.xlsx", {"Cover": [["a", "b"], [1, 2]], "Data": TABLE[1:]})
+    with pytest.raises(InputError, match="sheet 'Data' begins with numbers"):
+        read_log(bare)
+    assert read_log(bare, columns=["t", "u", "y"]).source == f"{bare}, sheet 'Data'"
+
+
+def test_a_workbook_of_several_logs_asks_for_a_sheet(tmp_path):
+    later = [[*TABLE[0], "r"], *([*row, 0.5] for row in TABLE[1 : N // 2])]
+    path = workbook(tmp_path / "log.xlsx", {"Cover": COVER, "Run 1": TABLE, "Run 2": later})
+    contents = inspect_log(path)
+    assert contents.topics == ("Run 1", "Run 2")
+    assert contents.unread.endswith('--names "u=Run 1.u".')
+    with pytest.raises(InputError, match=r"2 columns 'u': Run 1.u, Run 2.u. .*'Run 1.u'"):
+        read_log(path)
+    first, second = (read_log(path, {"u": f"Run {i}.u"}) for i in (1, 2))
+    assert first.steps == N and first.r is None  # Run 2.r is of another log
+    assert np.array_equal(second.y[:, 0], Y[: N // 2 - 1]) and np.all(second.r == 0.5)
+    assert read_log(path, {"y": "Run 2.y"}, time="t").sample_time == 0.1
 
 
 OCTAVE = {
