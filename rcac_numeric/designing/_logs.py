@@ -145,7 +145,8 @@ class LoggedPlant(PartsOfALog):
         gain = ", ".join(f"{one:.4g}" for one in model.gain_interval)
         return (
             f"gates passed: {', '.join(gate.name for gate in model.gates if gate.passed)}; "
-            f"95 % interval of the gain [{gain}]; dead time {low:.4g} to {high:.4g} steps; poles {poles}"
+            f"95 % interval of the gain [{gain}]; dead time {low:.4g} to {high:.4g} steps; "
+            f"poles {poles}"
         )
 
 
