@@ -245,6 +245,15 @@ def number(value: object, name: str) -> float:
     return float(real_array(value, name))  # type: ignore[arg-type]
 
 
+def interval(value: object, name: str) -> tuple[float, float]:
+    """Two finite real numbers, the first no larger than the second."""
+    numbers = [number(one, name) for one in items(value, name)]
+    if len(numbers) != 2 or numbers[0] > numbers[1]:
+        words = ", ".join(f"{one:g}" for one in numbers)
+        raise InputError(f"{name} = ({words}) must be two numbers, (least, largest).")
+    return numbers[0], numbers[1]
+
+
 def positive_time(value: object, name: str) -> float:
     """Return a positive time in seconds."""
     if not (period := number(value, name)) > 0:

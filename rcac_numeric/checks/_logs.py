@@ -15,6 +15,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import (
     gaps_as_nan,
     has_mask,
+    interval,
     number,
     optional_array_like,
     real_array,
@@ -45,6 +46,9 @@ class ControllerLog(Value):
         Named in errors.
     sample_time : float, optional
         In seconds.
+    time_skew : (float, float)
+        The least and the largest time in seconds by which u of a row is older than its y: a dead
+        time from u to y is longer than in the rows. `read_log` computes it from the times.
     has_gaps : bool
         Whether entries of the signals and of theta may be missing (NaN), as `read_log` marks the
         rows that the clock lacks.
@@ -74,6 +78,7 @@ class ControllerLog(Value):
     N_c: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
     source: str = attrs.field(default="the log", kw_only=True)
     sample_time: float | None = attrs.field(default=None, kw_only=True)
+    time_skew: tuple[float, float] = attrs.field(default=(0.0, 0.0), kw_only=True)
     has_gaps: bool = attrs.field(default=False, kw_only=True)
     clock: str = attrs.field(default="", kw_only=True)
     notes: tuple[str, ...] = attrs.field(default=(), kw_only=True)
@@ -86,6 +91,7 @@ class ControllerLog(Value):
                 raise InputError(
                     f"sample_time = {self.sample_time:g} must be positive, in seconds."
                 )
+        keep("time_skew", interval(self.time_skew, "time_skew"))
         steps = 0
         signals = self.u, self.y, self.z, self.w, self.r
         for name, value in zip(SIGNALS, signals, strict=True):
@@ -324,7 +330,7 @@ def read_log(
         In seconds; refused if the times contradict it.
     resample : float, optional
         Sample time in seconds, for irregular times: u, r and theta keep the last value,
-        other signals are interpolated; `notes` states the error.
+        other signals are interpolated; `notes` states the error, `time_skew` that of the times.
 
     Raises
     ------
@@ -351,6 +357,7 @@ def read_log(
     return ControllerLog(
         **signals.arrays, source=name, has_gaps=clock is not None or _has_nan(signals.arrays),
         sample_time=sample_time if clock is None else clock.sample_time or sample_time,
+        time_skew=signals.time_skew,
         clock="" if clock is None else str(clock), notes=tuple(signals.notes),
     )  # fmt: skip
 

@@ -141,11 +141,12 @@ class LoggedPlant(PartsOfALog):
             f"{_complex(pole)} +- {1.96 * deviation:.2g}"
             for pole, deviation in zip(model.poles, model.pole_deviations, strict=True)
         )
-        low, high = model.delay_interval
+        low, high = (one / (model.sample_time or 1.0) for one in model.dead_time_interval)
         gain = ", ".join(f"{one:.4g}" for one in model.gain_interval)
         return (
             f"gates passed: {', '.join(gate.name for gate in model.gates if gate.passed)}; "
-            f"95 % interval of the gain [{gain}]; dead time {low} to {high} steps; poles {poles}"
+            f"95 % interval of the gain [{gain}]; dead time {low:.4g} to {high:.4g} steps; "
+            f"poles {poles}"
         )
 
 
@@ -174,7 +175,7 @@ class LogSearch:
                 f"dead_time = {late:g} with sample_time = {period:g}: give both in seconds, none "
                 "of them negative."
             )
-        self.log, self.sample_time = log, sample_time
+        self.log, self.sample_time, self.time_skew = log, sample_time, log.time_skew
         has_command = log.r is not None and bool(np.ptp(log.r) > 0)
         self.search = search_of(
             log.u, log.y, round(late / period) or None, is_commanded=has_command
@@ -221,7 +222,7 @@ class LogSearch:
     def logged(self, fit: ProcessFit, gates: tuple[Gate, ...] = ()) -> LoggedPlant:
         """The plant of a model, its parts and its disturbances."""
         search, log = self.search, self.log
-        model = process_model(search, fit, gates, self.sample_time)
+        model = process_model(search, fit, gates, self.sample_time, self.time_skew)
         plant = self._plant(fit, rows_a_step(fit.delay))
         if not plant.low_gain > 0:
             raise InputError("the model of the log has gain 0: u has no effect on y.")

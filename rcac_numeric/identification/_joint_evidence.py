@@ -28,6 +28,7 @@ from rcac_numeric.identification._process_evidence import (
     LAGS,
     MOST_DELAYS,
     MOST_JUMPS,
+    NORMAL,
     OMEGA,
     Gate,
     inflation,
@@ -186,6 +187,29 @@ def channel_deviations(record: JointRecord, fit: JointFit, omega: Array) -> dict
         size = np.abs(one.response(omega))
         deviations[one.input] = np.sqrt(np.maximum(squares, 0)) / np.maximum(size, 1e-300)
     return deviations
+
+
+def channel_gain_bounds(search: JointSearch, fit: JointFit, j: int) -> tuple[float, float]:
+    """The 95 % interval of the gain of an input at rest, over all credible models.
+
+    In units of the record; of a channel with a pole at 1 that of its slope, over the models with
+    one.
+    """
+    mine = fit.channel(j)
+    assert mine is not None
+    bounds = []
+    for one in (fit, *search.rivals):
+        channel = one.channel(j)
+        if channel is None or channel.summed != mine.summed:
+            continue
+        place = one.places[one.channels.index(channel)]
+        A, B = float(channel.A.sum()), float(channel.B.sum())
+        by = np.concatenate([np.full(channel.order, -B / A**2), np.full(len(channel.B), 1 / A)])
+        covariance = joint_covariance(search.record, one)[place, place]
+        variance = float(by @ covariance @ by) * float(inflation(one.e, np.zeros(1))[0])
+        width = NORMAL * np.sqrt(max(variance, 0.0))
+        bounds.append((B / A - width, B / A + width))
+    return min(low for low, _ in bounds), max(high for _, high in bounds)
 
 
 def channel_bandwidth(channel: Channel) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._blas_threads import one_blas_thread
-from rcac_numeric.arrays._validation import integer, number
+from rcac_numeric.arrays._validation import integer, interval, number
 from rcac_numeric.identification._box_jenkins import (
     DIFFERENCE,
     ProcessFit,
@@ -26,6 +27,7 @@ from rcac_numeric.identification._joint_stability import (
 )
 from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_evidence import (
+    NORMAL,
     Gate,
     bandwidth,
     credible_delays,
@@ -41,7 +43,6 @@ from rcac_numeric.identification._process_records import ProcessRecord, process_
 from rcac_numeric.identification._process_search import FEW, ProcessSearch
 from rcac_numeric.identification._scalar_record import ScalarModel
 
-NORMAL = 1.959964  # standard deviations of a 95 % interval
 FASTEST_POLE = 1e-6  # modulus of a pole below which there is no time constant
 ROUNDS, TRIED = 3, 6  # searches for the u before a record, and models that are tried for it
 
@@ -78,7 +79,10 @@ class ProcessModel(ScalarModel, Truth):
     gain_interval : (float, float)
         95 %, of `gain`, over all credible models with as many integrators.
     delay_interval : (int, int)
-        The credible delays: odds above one to ten thousand.
+        Of all credible models (odds above one to ten thousand), widened by `time_skew`; in steps.
+    dead_time_interval : (float, float)
+        The same of the dead time: a delay of d steps is a dead time of about d to d + 1 steps,
+        where u moves at the rows. In seconds; in steps without a sample time.
     rivals : tuple of ScalarModel
         The other credible models of these odds, and the credible delays of this one.
     gates : tuple of Gate
@@ -102,6 +106,7 @@ class ProcessModel(ScalarModel, Truth):
     covariance: Array
     gain_interval: tuple[float, float]
     delay_interval: tuple[int, int]
+    dead_time_interval: tuple[float, float]
     rivals: tuple[ScalarModel, ...]
     gates: tuple[Gate, ...]
     spikes: int = 0
@@ -167,8 +172,7 @@ class ProcessModel(ScalarModel, Truth):
         pole += " and direct feedthrough" if self.is_direct else ""
         low, high = self.gain_interval
         unit = " s" if self.sample_time else " steps"
-        h = self.sample_time or 1.0
-        of_delay = f"{self.delay_interval[0] * h:.4g} to {self.delay_interval[1] * h:.4g}{unit}"
+        of_delay = " to ".join(f"{one:.4g}" for one in self.dead_time_interval) + unit
         return (
             f"order {self.order}{pole}, delay {self.delay}, gain {self.gain:.4g} "
             f"({low:.4g} to {high:.4g}), dead time {self.dead_time:.4g}{unit} ({of_delay})"
@@ -177,8 +181,9 @@ class ProcessModel(ScalarModel, Truth):
 
 @one_blas_thread()
 def identify_process(
-    u: ArrayLike, y: ArrayLike, *, sample_time: float | None = None, delay: int | None = None
-) -> ProcessModel:
+    u: ArrayLike, y: ArrayLike, *, sample_time: float | None = None, delay: int | None = None,
+    time_skew: Sequence[float] = (0.0, 0.0),
+) -> ProcessModel:  # fmt: skip
     """Identify a plant from the record of a process with drifts, jumps, walks and spikes.
 
     Box-Jenkins models of order 1 to 4 by prediction errors, with noise of order 2 at most that
@@ -201,6 +206,10 @@ def identify_process(
         In seconds, for dead time and time constants.
     delay : int, optional
         Known dead time in steps; a record with direct feedthrough is refused then.
+    time_skew : (float, float)
+        The least and the largest time by which u of a row is older than its y, in seconds, or in
+        steps without a sample time: that of a `ControllerLog`. (0, sample_time) where u moves
+        between two rows. It widens the intervals of delay and dead time.
 
     Returns
     -------
@@ -239,12 +248,14 @@ def identify_process(
     if period is not None and not period > 0:
         raise InputError(f"sample_time = {period:g} must be positive; give it in seconds.")
     known = None if delay is None else integer(delay, "delay")
+    skew = interval(time_skew, "time_skew")
     search = search_of(u, y, known)
     fit = search.fits[0]
     effect = effect_gate(search, fit)
     require_effect(effect, search)
     gates = (effect, *gates_without_controller(search, fit), gain_gate(search, fit))
-    return process_model(search, fit, (*gates, sign_gate(search, fit, bandwidth(fit) / 3)), period)
+    gates = (*gates, sign_gate(search, fit, bandwidth(fit) / 3))
+    return process_model(search, fit, gates, period, skew)
 
 
 def search_of(
@@ -336,15 +347,14 @@ def gates_without_controller(search: ProcessSearch, fit: ProcessFit) -> tuple[Ga
 
 
 def process_model(
-    search: ProcessSearch, fit: ProcessFit, gates: tuple[Gate, ...], period: float | None
-) -> ProcessModel:
+    search: ProcessSearch, fit: ProcessFit, gates: tuple[Gate, ...], period: float | None,
+    time_skew: tuple[float, float] = (0.0, 0.0),
+) -> ProcessModel:  # fmt: skip
     """The public model of a fit."""
     record = search.record
     unit_u, unit_y = record.units
     gain_unit = unit_y / unit_u
     late = credible_delays(search, fit)
-    delays = [steps for _, steps in late]
-    earlier = int(search.is_direct)
     rivals = [
         scalar_model(gain_unit * one.B, one.denominator, one.delay, search.is_direct)
         for one in search.distinct if one is not fit
@@ -368,9 +378,42 @@ def process_model(
         residual_of(record, fit) * unit_y, fit.bic,
         1 - float(np.mean(fit.e**2)) / float(np.var(y)), covariance,
         (interval[0], interval[1]),
-        (max(min(delays) - earlier, 0), max(max(delays) - earlier, 0)), tuple(rivals), gates,
+        *_delay_intervals(search, fit, [steps for _, steps in late], period, time_skew),
+        tuple(rivals), gates,
         record.spikes, period, record.rest, is_direct=plain.is_direct,
     )  # fmt: skip
+
+
+def _delay_intervals(
+    search: ProcessSearch, fit: ProcessFit, delays: Sequence[int], period: float | None,
+    skew: tuple[float, float],
+) -> tuple[tuple[int, int], tuple[float, float]]:  # fmt: skip
+    """The intervals of the delay in steps and of the dead time, in seconds with a sample time.
+
+    u(k - 1 - d) is the last one with an effect on y(k), and held for a step: the dead time is from
+    d to d + 1 steps. A shorter one is possible where its first coefficient is too small to show.
+    """
+    h, earlier, record = period or 1.0, int(search.is_direct), search.record
+    models = [*((one, one.delay) for one in search.distinct), *((fit, steps) for steps in delays)]
+    hidden = {id(one): _hidden_share(record, one) for one, _ in models}
+    last = max(steps for _, steps in models) - earlier
+    least = min(steps for _, steps in models) - earlier + skew[0] / h
+    most = max(last + 1 + skew[1] / h, 0.0)
+    first = min(steps - hidden[id(one)] for one, steps in models) - earlier + skew[0] / h
+    in_steps = max(int(np.floor(least)), 0), max(int(np.ceil(most - 1e-9)) - 1, 0)
+    return in_steps, (max(first, 0.0) * h, most * h)
+
+
+def _hidden_share(record: ProcessRecord, fit: ProcessFit) -> float:
+    """The steps before the first coefficient of B in which a response may begin unseen.
+
+    The response of n lags grows as the n-th power of time, and one that is smaller than the
+    deviation of a coefficient does not show.
+    """
+    deviation = float(np.sqrt(max(parameter_covariance(record, fit)[fit.order, fit.order], 0.0)))
+    first = abs(float(fit.B[0]))
+    unseen = NORMAL * deviation
+    return (unseen / first) ** (1 / max(fit.order, 1)) if unseen < first else 1.0
 
 
 def scalar_model(B: Array, A: Array, delay: int, is_earlier: bool) -> ScalarModel:

@@ -41,6 +41,7 @@ from rcac_numeric.identification._process_search import (
 SURE = float(np.sqrt(np.log(1e4)))  # P(abs(x) > SURE) = 1e-4, complex Gaussian x of E abs(x)^2 = 1
 KNOWN = 1 / SURE  # largest relative standard deviation of the gain around the crossover
 MOST_JUMPS = 3
+NORMAL = 1.959964  # standard deviations of a 95 % interval
 FASTER = 2.0  # standard deviations
 MISFIT = 1e-4  # level of the test of e against past u
 COLOUR = 8  # order of the autoregression of e

@@ -16,6 +16,7 @@ from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.identification._joint_evidence import (
     Names,
+    channel_gain_bounds,
     effect_gates,
     effect_of,
     gain_gates,
@@ -61,6 +62,9 @@ class ProcessMatrix(Value, Truth):
         1 where the noise of an output drifts as a random walk.
     innovations, residuals : tuple of arrays
         Of each output, at the steps where it is there.
+    gain_intervals : tuple of rows of (float, float) or None
+        95 %, of the gain of each entry, over all credible models. With a pole at 1 that of the
+        slope of y, per second with a sample time, over those with one.
     criteria : tuple of float
         BIC of each output.
     gates : tuple of Gate
@@ -78,6 +82,7 @@ class ProcessMatrix(Value, Truth):
     differences: tuple[int, ...]
     innovations: tuple[Array, ...]
     residuals: tuple[Array, ...]
+    gain_intervals: tuple[tuple[tuple[float, float] | None, ...], ...]
     criteria: tuple[float, ...]
     gates: tuple[Gate, ...]
     assumptions: tuple[str, ...] = ()
@@ -131,12 +136,16 @@ class ProcessMatrix(Value, Truth):
         for i, row in enumerate(self.entries):
             for j, one in enumerate(row):
                 pair = f"{names.u(j)} to {names.y(i)}"
-                if one is None:
+                bounds = self.gain_intervals[i][j]
+                if one is None or bounds is None:
                     rows.append(f"{pair}: no effect")
-                else:
-                    rows.append(
-                        f"{pair}: order {one.order}, delay {one.delay}, gain {self.gain[i, j]:.4g}"
-                    )
+                    continue
+                gain, interval = self.gain[i, j], f"{bounds[0]:.4g} to {bounds[1]:.4g}"
+                words = f"gain {gain:.4g} ({interval})"
+                if np.isinf(gain):
+                    unit = "second" if self.sample_time else "step"
+                    words = f"a pole at 1, slope {interval} per {unit}"
+                rows.append(f"{pair}: order {one.order}, delay {one.delay}, {words}")
         return "; ".join(rows)
 
 
@@ -414,8 +423,21 @@ def process_matrix(
         tuple(fit.e * unit for fit, unit in zip(fits, units, strict=True)),
         tuple(joint_residual(one.record, fit) * unit
               for one, fit, unit in zip(search.searches, fits, units, strict=True)),
+        tuple(tuple(_gain_interval(search, fit, i, j, period) for j in range(len(search.inputs.u)))
+              for i, fit in enumerate(fits)),
         tuple(fit.bic for fit in fits), gates, search.assumptions, search.is_direct, period,
     )  # fmt: skip
+
+
+def _gain_interval(
+    search: MatrixSearch, fit: JointFit, i: int, j: int, period: float | None
+) -> tuple[float, float] | None:
+    channel = fit.channel(j)
+    if channel is None:
+        return None
+    unit = search.gain_unit(i, j) / (period or 1.0) ** channel.summed
+    low, high = channel_gain_bounds(search.searches[i], fit, j)
+    return unit * low, unit * high
 
 
 def _entry(search: MatrixSearch, fit: JointFit, i: int, j: int) -> ScalarModel | None:

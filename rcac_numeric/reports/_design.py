@@ -129,6 +129,10 @@ def _verdict(design: Design) -> Section:
         if isinstance(model, ProcessMatrix):
             record["log"] |= {
                 "gains": [list(row) for row in model.gain.tolist()],
+                "gain_intervals": [
+                    [None if one is None else list(one) for one in row]
+                    for row in model.gain_intervals
+                ],
                 "delays": [list(row) for row in model.delays],
                 "assumptions": list(model.assumptions),
             }
@@ -136,6 +140,7 @@ def _verdict(design: Design) -> Section:
         record["log"] |= {
             "gain_interval": list(model.gain_interval),
             "delay_interval": list(model.delay_interval),
+            "dead_time_interval": list(model.dead_time_interval),
             "poles": [[pole.real, pole.imag] for pole in model.poles],
             "pole_deviations": [float(one) for one in model.pole_deviations],
         }

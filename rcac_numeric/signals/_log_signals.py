@@ -28,18 +28,34 @@ PIECEWISE_CONSTANT = ("u", "r", "theta")  # constant between two samples of the 
 COMPARED = 1000
 SAME_TIME = 0.01  # relative difference of two sample times that are the same
 OLDEST = 1.02  # of its sample times: an older value of another topic is a lost one
+MIDDLE = (0.025, 0.975)  # quantiles of the ages of values
 Names = Mapping[str, str | Sequence[str]]
 
 
 @dataclass
 class LogSignals:
-    """Arrays by role, with the clock of their rows and notes on their resampling."""
+    """Arrays by role, with the clock of their rows and notes on their resampling.
+
+    `ages` are the least and largest ages in seconds at which the rows show u and y.
+    """
 
     arrays: dict[str, Array] = field(default_factory=dict)
     topics: dict[str, str] = field(default_factory=dict)
     columns: dict[str, tuple[str, ...]] = field(default_factory=dict)
     clock: Clock | None = None
     notes: list[str] = field(default_factory=list)
+    ages: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def time_skew(self) -> tuple[float, float]:
+        """The least and largest time in seconds by which u of a row is older than its y.
+
+        Where rows at irregular times are taken as steps of equal distance, both lie as far apart
+        as their distances differ.
+        """
+        of_u, of_y = (self.ages.get(role, (0.0, 0.0)) for role in ("u", "y"))
+        early, late = (0.0, 0.0) if self.clock is None else _unevenness(self.clock)
+        return of_u[0] - of_y[1] + early, of_u[1] - of_y[0] + late
 
 
 @np.errstate(all="ignore")  # an overflow is an infinite statement, without a warning
@@ -380,6 +396,10 @@ def _hold(
         theirs, values = theirs[order], values[order]
     place = np.searchsorted(theirs, times + 1e-9 * (times[-1] - times[0]), side="right") - 1
     age = times - theirs[np.maximum(place, 0)]
+    if role == "u":
+        signals.ages[role] = _late_moves(theirs, values, times)
+    elif role == "y" and (place >= 0).any():
+        signals.ages[role] = _middle(age[place >= 0])
     usual = float(np.median(np.diff(theirs))) if len(theirs) > 1 else 0.0
     used = values[np.maximum(place, 0)].copy()
     used[(place < 0) | (age > (OLDEST + _jitter(other)) * usual)] = np.nan
@@ -430,7 +450,11 @@ def _resampled(
         if role in PIECEWISE_CONSTANT:
             place = np.searchsorted(t, grid + 1e-9 * (end - begin), side="right") - 1
             signals.arrays[role] = values[np.maximum(place, 0)]
-            signals.notes.append(f"{role}: the last value before each step")
+            signals.ages[role] = least, most = _late_moves(t, values, grid)
+            signals.notes.append(
+                f"{role}: the last value before each step; its moves are {least:.3g} to "
+                f"{most:.3g} s late"
+            )
         else:
             stamps, first = np.unique(t, return_index=True)
             values = values[first]
@@ -444,6 +468,32 @@ def _resampled(
     clock = clock_of(grid - begin, "resample")
     signals.clock = attrs.evolve(clock, sample_time=period, times=grid)
     return signals
+
+
+def _late_moves(stamps: Array, values: Array, grid: Array) -> tuple[float, float]:
+    """The least and largest time from a move of a held signal to the first step that shows it."""
+    moves = stamps[1:][(np.diff(values, axis=0) != 0).any(axis=1)]
+    place = np.searchsorted(grid + 1e-9 * (grid[-1] - grid[0]), moves)
+    moves, place = moves[place < len(grid)], place[place < len(grid)]
+    return _middle(np.maximum(grid[place] - moves, 0.0)) if len(moves) else (0.0, 0.0)
+
+
+def _unevenness(clock: Clock) -> tuple[float, float]:
+    """How much shorter and longer than whole sample times the rows of a clock are apart.
+
+    0 where the resolution of the stamps hides it.
+    """
+    if clock.sample_time is None or clock.resolution or len(clock.times) != len(clock.step_of_row):
+        return 0.0, 0.0
+    grid = clock.sample_time * clock.step_of_row
+    low, high = _middle(np.diff(clock.times) - np.diff(grid))
+    return min(low, 0.0), max(high, 0.0)
+
+
+def _middle(ages: Array) -> tuple[float, float]:
+    """The interval of 95 % of some times."""
+    low, high = np.quantile(ages, MIDDLE)
+    return float(low), float(high)
 
 
 def _interpolation_error(t: Array, values: Array) -> float:

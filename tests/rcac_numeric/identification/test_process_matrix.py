@@ -421,3 +421,34 @@ def test_steps_of_two_inputs_beside_a_sinusoid(seed):
     y += 4 * np.sin(omega * rows + phase) + 0.1 * rng.standard_normal(700)
     model = identify_process_matrix(u, y)
     np.testing.assert_allclose(model.gain, [[5 / 3, -1.0]], rtol=0.15)
+
+
+@pytest.mark.costly
+def test_95_percent_of_the_intervals_hold_the_gain():
+    """A tenth of the rows missing; of 40 entries fewer than 33 have probability 1e-3 at 95 %."""
+    count = 0
+    for seed in range(10):
+        u, y = two_by_two(900 + seed, steps=500)
+        y[np.random.default_rng(seed).random(500) < 0.1] = np.nan
+        model = identify_process_matrix(u, y)
+        for bounds, gains in zip(model.gain_intervals, GAINS, strict=True):
+            for interval, gain in zip(bounds, gains, strict=True):
+                assert interval is not None
+                count += interval[0] <= gain <= interval[1]
+    assert count >= binom.ppf(1e-3, 40, 0.95)
+
+
+@pytest.mark.costly
+def test_the_interval_of_an_entry_with_a_pole_at_1_is_that_of_its_slope():
+    """A third input without effect has no interval; two experiments."""
+    rng = np.random.default_rng(8)
+    u = np.stack([rng.choice([-1.0, 1.0], 600), binary(rng, 600, 9), binary(rng, 600, 6)], 1)
+    y = lfilter([0, 0.05], [1, -1], u[:, 0]) + lfilter([0, 0, 0.4], [1, -0.8], u[:, 1])
+    y[300:] -= y[300]
+    y += 0.02 * rng.standard_normal(600)
+    model = identify_process_matrix(u, y, experiments=(300, 300), sample_time=2.0)
+    (slope, gain, none), words = model.gain_intervals[0], str(model).split("; ")
+    assert slope is not None and slope[0] <= 0.025 <= slope[1] and slope[1] - slope[0] < 0.01
+    assert gain is not None and gain[0] <= 2 <= gain[1] and none is None
+    assert words[0].endswith(f"a pole at 1, slope {slope[0]:.4g} to {slope[1]:.4g} per second")
+    assert words[1].endswith(f"({gain[0]:.4g} to {gain[1]:.4g})") and "no effect" in words[2]
