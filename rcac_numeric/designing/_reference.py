@@ -291,7 +291,7 @@ class WeightGrid:
         candidates = {
             (R_2, V_2): parts for R_2, V_2, parts in self.candidates() if _stabilises(rivals, parts)
         }
-        ordered = chain(self._robust(candidates), self._fragile(candidates))
+        ordered: Iterator[Evaluated] = chain(self._robust(candidates), self._fragile(candidates))
         if self.saturation is not None:
             ordered = iter(self._by_runs(list(ordered), candidates))
         return self._first(ordered, candidates)

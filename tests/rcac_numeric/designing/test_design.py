@@ -346,7 +346,8 @@ def test_the_reference_is_stable_with_the_other_plants():
 
 @given(
     lag=st.floats(2, 30), late=st.integers(0, 6), noise=st.sampled_from([1e-3, 0.1]),
-    gains=st.lists(st.floats(0.5, 3), max_size=2), rivals=st.lists(st.floats(-2, -0.3) | st.floats(0.3, 4), max_size=2),
+    gains=st.lists(st.floats(0.5, 3), max_size=2),
+    rivals=st.lists(st.floats(-2, -0.3) | st.floats(0.3, 4), max_size=2),
 )  # fmt: skip
 @settings(max_examples=8)
 def test_the_reference_is_the_first_of_all_candidates(lag, late, noise, gains, rivals):
