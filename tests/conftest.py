@@ -13,10 +13,14 @@ import gc
 import os
 import random
 import signal
+import sys
 from collections import defaultdict
 
 for library in ("OPENBLAS", "MKL", "OMP"):  # matrices are small, and the workers share the cores
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+# Images of containers set it: hundreds of tests start a Python, and each would compile all again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 import hypothesis  # noqa: E402
 import pytest  # noqa: E402
