@@ -5,8 +5,8 @@ Choose with HYPOTHESIS_PROFILE=ci. All but `ci` draw anew in every run; `--hypot
 statistics in full, and all that is marked slow, `--slow N` runs N of these. Where the whole suite
 is run, one in twenty of the tests marked `costly` is, others in every run; `--costly N` runs one
 in N, and `.ci/run` one in ten. Of a test marked `cases(N)` N of its cases are run, others in every
-run, and all with `--all-cases`, as in `.ci/run`, or `--long`; `--perturb SEED` moves the last digits
-of all data, but in tests marked `exact_data`.
+run, and all with `--all-cases`, as in `.ci/run`, or `--long`; `--perturb SEED` moves the last
+digits of all data, but in tests marked `exact_data`.
 """
 
 import gc
