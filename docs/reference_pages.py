@@ -315,6 +315,12 @@ def parsed(path: Path) -> ast.Module:
     return ast.parse(path.read_text())
 
 
+@cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """All nodes of a module, in the order of `ast.walk`, which takes ten times as long."""
+    return tuple(ast.walk(parsed(path)))
+
+
 def _table(head: str, rows: list[tuple[str, str]]) -> str:
     return f"| {head} | |\n|---|---|\n" + "\n".join(f"| {a} | {b} |" for a, b in rows)
 

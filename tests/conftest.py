@@ -3,20 +3,24 @@
 Choose with HYPOTHESIS_PROFILE=ci. All but `ci` draw anew in every run; `--hypothesis-seed` and
 `--randomly-seed` repeat the draws and the order of another. `--long` runs the marked long
 statistics in full, and all that is marked slow, `--slow N` runs N of these. Where the whole suite
-is run, one in ten of the tests marked `costly` is, others in every run; `--costly N` runs one in
-N. Of a test marked `cases(N)` N of its cases are run, others in every run, and all with
-`--all-cases` or `--long`; `--perturb SEED` moves the last digits of all data, but in tests marked
-`exact_data`.
+is run, one in twenty of the tests marked `costly` is, others in every run; `--costly N` runs one
+in N, and `.ci/run` one in ten. Of a test marked `cases(N)` N of its cases are run, others in every
+run, and all with `--all-cases`, as in `.ci/run`, or `--long`; `--perturb SEED` moves the last
+digits of all data, but in tests marked `exact_data`.
 """
 
 import gc
 import os
 import random
 import signal
+import sys
 from collections import defaultdict
 
 for library in ("OPENBLAS", "MKL", "OMP"):  # matrices are small, and the workers share the cores
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+# Images of containers set it: hundreds of tests start a Python, and each would compile all again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 import hypothesis  # noqa: E402
 import pytest  # noqa: E402
@@ -34,7 +38,7 @@ def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="run the long statistics in full")
     parser.addoption("--slow", type=int, default=0, metavar="N", help="run N of the slow tests")
     parser.addoption(
-        "--costly", type=int, default=10, metavar="N", help="run one in N of the costly"
+        "--costly", type=int, default=20, metavar="N", help="run one in N of the costly"
     )
     parser.addoption("--all-cases", action="store_true", help="run every case of every test")
     parser.addoption("--perturb", type=int, metavar="SEED", help="move the last digits of all data")

@@ -164,6 +164,7 @@ def test_a_variable_that_says_nothing_about_time():
 
 
 # ---- irrational roots
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "roots",
     [[exp(I * pi / 4), exp(-I * pi / 4), -1], sympy.solve(x**3 + x + 1),

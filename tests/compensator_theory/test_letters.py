@@ -19,7 +19,7 @@ from sympy import Basic, MatrixBase, Poly, Symbol
 
 import compensator_theory as exact
 from compensator_theory.polynomials._values import ExactValue
-from docs.reference_pages import parsed
+from docs.reference_pages import nodes
 from tests.support.bad_inputs import GOOD, NOT_DOORS
 from tests.support.symbolic_inputs import PUBLIC, calls, symbols_in
 
@@ -40,7 +40,7 @@ def letters_of_the_source():
     """Names of symbols that are made by literals, and names that the choice of letters is given."""
     names = set()
     for path in pathlib.Path(exact.__file__).parent.rglob("_*.py"):
-        for node in ast.walk(parsed(path)):
+        for node in nodes(path):
             if isinstance(node, ast.Call):
                 value = getattr(node.func, "attr", getattr(node.func, "id", ""))
                 if value in ("Symbol", "symbols", "fresh", "introduced", "numbered", "_taken"):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from compensator_theory.libraries import EXTRAS
-from docs.reference_pages import parsed
+from docs.reference_pages import nodes
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -32,7 +32,7 @@ def names(requirements):
 
 def libraries_of(path):
     """The packages that a file imports, our own and those of Python left out."""
-    for node in ast.walk(parsed(path)):
+    for node in nodes(path):
         result = []
         if isinstance(node, ast.Import):
             result = [alias.name for alias in node.names]

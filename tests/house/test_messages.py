@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from compensator_theory.errors import Advice, CompensatorError, InputError
-from docs.reference_pages import parsed
+from docs.reference_pages import nodes
 from rcac_experiments.cli._exits import AT_THE_SHELL, at_the_shell
 from tests.support.advice import has_argument, known
 
@@ -31,20 +31,23 @@ def is_error(annotation):
     return any(name.endswith(("Error", "Exception")) for name in names)
 
 
-def errors_of(function):
+def errors_of(inside):
     """Names that hold an exception somewhere in a function."""
-    caught = {h.name for h in ast.walk(function) if isinstance(h, ast.ExceptHandler) and h.name}
-    parameters = [p for p in ast.walk(function) if isinstance(p, ast.arg) and p.annotation]
+    caught = {h.name for h in inside if isinstance(h, ast.ExceptHandler) and h.name}
+    parameters = [p for p in inside if isinstance(p, ast.arg) and p.annotation]
     return caught | {p.arg for p in parameters if is_error(p.annotation)}
 
 
-def readings(tree):
+def readings(module):
     """Lines where a text that was made of an exception is searched, taken apart or compared."""
     lines = set()
-    for function in ast.walk(tree):
+    for function in module:
         if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             continue
-        errors, texts = errors_of(function), set()
+        inside = tuple(ast.walk(function))
+        errors, texts = errors_of(inside), set()
+        if not errors:
+            continue
 
         def is_text(node, errors=errors, texts=texts):
             if isinstance(node, ast.Name):
@@ -60,10 +63,10 @@ def readings(tree):
             method = isinstance(node.func, ast.Attribute) and node.func.attr in READS | {"rstrip"}
             return method and is_text(node.func.value)
 
-        for node in ast.walk(function):
+        for node in inside:
             if isinstance(node, ast.Assign) and is_text(node.value):
                 texts |= {t.id for t in node.targets if isinstance(t, ast.Name)}
-        for node in ast.walk(function):
+        for node in inside:
             if isinstance(node, ast.Compare) and any(map(is_text, [node.left, *node.comparators])):
                 lines.add(node.lineno)
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
@@ -80,7 +83,7 @@ def test_no_message_is_read(package):
     for path in sorted((ROOT / package).rglob("*.py")):
         name = str(path.relative_to(ROOT))
         if name not in OF_OTHERS:
-            wrong += [f"{name}:{line}" for line in readings(parsed(path))]
+            wrong += [f"{name}:{line}" for line in readings(nodes(path))]
     assert not wrong, "give the error an attribute that says it"
 
 
@@ -102,7 +105,7 @@ def test_a_reading_is_found(code, is_read):
     for head in ("try:\n  call()\n except InputError as error:\n  ", ""):
         parameters = "" if head else "error: CompensatorError"
         function = f"def f({parameters}):\n {head}{code}"
-        assert bool(readings(ast.parse(function))) == is_read
+        assert bool(readings(ast.walk(ast.parse(function)))) == is_read
 
 
 def advices():
@@ -121,7 +124,7 @@ def written():
     """Names of functions and of their first argument, of every Advice(...) in the packages."""
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
-            for node in ast.walk(parsed(path)):
+            for node in nodes(path):
                 if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Advice":
                     function, arguments, _ = node.args
                     pairs = [p.elts[0] for p in getattr(arguments, "elts", ())]

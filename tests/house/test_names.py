@@ -4,7 +4,7 @@ import ast
 from collections import defaultdict
 from pathlib import Path
 
-from docs.reference_pages import parsed
+from docs.reference_pages import nodes
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
@@ -17,7 +17,7 @@ def homes():
     files = defaultdict(list)
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
-            for node in ast.walk(parsed(path)):
+            for node in nodes(path):
                 if isinstance(node, ast.ClassDef):
                     files[node.name].append(str(path.relative_to(ROOT)))
     return files

@@ -29,7 +29,7 @@ EXACT = {
 PLANTS = of("rcac_numeric", lambda value: isinstance(value, Plant))
 # What is read when it is used only.
 USED = {"SimulationCase": lambda case: list(rcac.simulate_many([case]))}
-SLOW = {"fit_noises"}
+SLOW = {"fit_noises", "identify_process_matrix", "identify_step_response"}
 CASES = [(name, array) for name, (_, _, arrays) in DOORS.items() for array in arrays]
 SENTINEL = -9999.0  # of a data logger
 

@@ -28,8 +28,8 @@ NO_DATA = ESTIMATORS | {
     rcac.Recorder, rcac.SupervisionWarning, rcac.TargetLearner, rcac.results.ScheduledSteps,
     rcac.PredictiveCostController,
 }  # fmt: skip
-LOGGED = (rcac.results.LoggedPlant, rcac.results.LoggedMatrix)
-SLOW = {cls: SAMPLES[cls] for cls in (rcac.results.Design, *LOGGED)}
+FROM_LOGS = ("LoggedPlant", "LoggedMatrix", "ProcessModel", "StepResponse")
+SLOW = {cls: SAMPLES[cls] for cls in (getattr(rcac.results, n) for n in ("Design", *FROM_LOGS))}
 QUICK = {cls: sample for cls, sample in SAMPLES.items() if cls not in SLOW}
 
 

@@ -140,6 +140,7 @@ def test_tune_writes_what_it_found(tmp_path):
     assert set(load_experiment(path).runs) == {"RCAC", "fixed"}
 
 
+@pytest.mark.costly
 def test_a_log_is_a_plant(tmp_path):
     rng = np.random.default_rng(2)
     u = rng.standard_normal(600)

@@ -86,6 +86,7 @@ def test_the_author_stands_first_and_a_case_of_ones_own_knows_none(gallery, case
     assert "issertation" not in ours.split("<h2>Claims")[0] and WORK["author"] not in ours
 
 
+@pytest.mark.costly
 def test_a_quick_look_says_so(cases):
     assert "Quick run" in Page(gallery_page(cases, is_quick=True)).text
     assert "Quick run" not in Page(gallery_page(cases)).text

@@ -47,6 +47,7 @@ def test_the_best_goes_on_and_rule_and_fixed_are_always_there(tuned):
     assert by_name[RULE].parameters == TuningParameters()
 
 
+@pytest.mark.costly
 def test_a_candidate_is_what_its_parameters_make_on_the_draws_of_learning(rule_design, tuned):
     one = next(c for c in tuned.candidates if c.rounds == 1)
     settings = settings_of(

@@ -81,6 +81,7 @@ def test_at_a_margin_the_poles_cross(seed):
     assert_margins_hold(seed)
 
 
+@pytest.mark.costly
 @pytest.mark.long
 def test_at_a_margin_the_poles_cross_in_10_000_loops(in_full):
     expected = 10_000 if in_full else 60

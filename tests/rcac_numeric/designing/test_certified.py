@@ -128,6 +128,7 @@ def test_a_proof_that_takes_minutes_is_left_to_the_user(boxed):
     assert f"{MOST_PROVED + 1} coefficients" in reason and "6 plants" in reason
 
 
+@pytest.mark.costly
 def test_a_limit_of_u_is_not_covered_by_name():
     limited = design("2/(10*s + 1)", kept="certified", u_limits=(-0.3, 0.3), **LAG)
     run = limited.runs[RCAC]
@@ -167,6 +168,7 @@ def test_a_weak_prior_loses_no_plant_of_the_family(G, options):
     assert any(run.bounded for run in runs)  # the set was needed
 
 
+@pytest.mark.costly
 def test_a_limit_of_an_integrator_is_not_covered_by_name():
     structure = pid("PI", integral_limit=1.0)
     limited = design("2/(10*s + 1)", kept="certified", structure=structure, **LAG)

@@ -57,6 +57,7 @@ def test_a_larger_disturbance_than_that_of_the_log_makes_the_controller_faster(f
     assert (gains[1] > 2 * gains[0]).all()
 
 
+@pytest.mark.costly
 def test_what_the_log_shows_of_itself_is_evidence(from_log):
     logged = from_log.logged
     assert logged.stable_parts(from_log.fixed.compensator) == PARTS and len(logged.gains) == PARTS

@@ -50,6 +50,7 @@ def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
         assert frozen_loop(grid.plant.servo(one), result.compensator, 0).is_stable
 
 
+@pytest.mark.costly
 def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
     grid = grid_of(LAGS)
     w, errors = grid.expected.w(2000, seed=5), []

@@ -67,6 +67,7 @@ def test_the_peak_is_that_of_the_sensitivity_at_u_and_at_y(designed):
     assert max(peaks) == pytest.approx(result.peak, rel=0.01)
 
 
+@pytest.mark.costly
 def test_every_error_is_rid_of_every_constant(designed):
     plant, result, _ = designed
     m = plant.m
@@ -138,6 +139,7 @@ def test_what_truncation_leaves_out_is_bounded(seed, n, share):
     assert np.abs(np.linalg.eigvals(parts[0])).max() < 1
 
 
+@pytest.mark.costly
 def test_it_is_a_design_as_any_other(two):
     assert len(two.runs) == 2 and set(two.runs) == {RCAC, FIXED}
     assert "one input and one output" in two.alternatives[PID]

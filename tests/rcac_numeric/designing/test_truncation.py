@@ -65,6 +65,7 @@ def test_a_resonance_between_two_frequencies_of_the_grid_is_seen():
     assert len(reduced.plant.A) < 20
 
 
+@pytest.mark.costly
 @given(st.floats(0.1, 1.0), st.floats(0.0, 0.95), st.sampled_from([-1, 1]))
 def test_small_gain_is_enough_for_the_whole_plant(share, pole, sign):
     """Much is left out, a whole mode: what it promises of stability and of Ms is so even then."""
@@ -128,6 +129,7 @@ def poles_on_a_circle(n, radius):
     )
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "plant",
     [

@@ -105,6 +105,7 @@ def test_a_step_in_the_first_rows_counts(at, gain, offset, seed):
     assert error_of(model, 0.8, gain) < 0.2
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("delay", [31, 200])
 def test_long_dead_times_need_no_range(delay):
     rng = np.random.default_rng(3)

@@ -85,6 +85,7 @@ def test_example_1_is_never_persistently_exciting():
     assert abs(run.theta_final - [1, -0.4, -0.5, 0.1]).max() > 0.005
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("name", "gain"), [("S5", "-1"), ("S6", "-2/3")])
 def test_the_commands_of_s5_and_s6_are_beyond_the_limit_of_u(name, gain):
     """y_0 = G(1) u at rest: with abs(u) <= 1 the command 3 has no equilibrium."""

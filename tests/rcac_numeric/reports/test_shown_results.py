@@ -110,6 +110,7 @@ def test_no_public_class_shows_itself_by_its_address(package):
     )  # it is a line of the terminal
 
 
+@pytest.mark.cases(60)
 @pytest.mark.parametrize("sample", SAMPLES, ids=lambda kind: kind.__name__)
 def test_a_result_prints_on_at_most_five_lines(sample):
     result = SAMPLES[sample](0)

@@ -146,6 +146,7 @@ def clock_of_column(name, times, sample_time=None):
     return clock_of(seconds, name, unit=unit)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("name", ["Time", "t", "Zeit", "local time"])
 @pytest.mark.parametrize("decimals", [5, 6, 9, 11])
 @pytest.mark.parametrize("seconds", [2, 5, 10, 15, 60, 300])
@@ -238,6 +239,7 @@ def numbered(k):
     return f"{0.5 * k}"
 
 
+@pytest.mark.cases(16)
 @pytest.mark.parametrize("name", ["Time", "DateTime", "t", "Zeit"])
 @pytest.mark.parametrize("stamp", [str, numbered])
 @pytest.mark.parametrize("kind", ["csv", "frame"])
