@@ -108,7 +108,9 @@ def _of_text(file: Path, text: TextSource, names: Sequence[str]) -> LogContents:
 
 def _of_sheets(file: Path, sheets: Mapping[str, Unpacked], names: Sequence[str]) -> LogContents:
     """The tables of numbers in a workbook: one sheet as a table, several as topics."""
-    tables, sizes, problems = {}, {}, {}
+    tables: dict[str, LogContents] = {}
+    sizes: dict[str, int] = {}
+    problems: dict[str, InputError] = {}
     for title, text in sheets.items():
         try:
             tables[title] = _of_text(file, text, names)
