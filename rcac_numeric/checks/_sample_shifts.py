@@ -73,7 +73,7 @@ class SampleShift(Result):
         return min(t.delay for t in self.structure.taps if t.signal != "u") + self.read
 
     def __str__(self) -> str:
-        signal = self.match.convention.signal
+        signal: str = self.match.convention.signal
         signal = f"({signal})" if " " in signal else signal
         words = []
         if self.read:

@@ -207,7 +207,7 @@ def channel_gain_bounds(search: JointSearch, fit: JointFit, j: int) -> tuple[flo
         by = np.concatenate([np.full(channel.order, -B / A**2), np.full(len(channel.B), 1 / A)])
         covariance = joint_covariance(search.record, one)[place, place]
         variance = float(by @ covariance @ by) * float(inflation(one.e, np.zeros(1))[0])
-        width = NORMAL * np.sqrt(max(variance, 0.0))
+        width = NORMAL * float(np.sqrt(max(variance, 0.0)))
         bounds.append((B / A - width, B / A + width))
     return min(low for low, _ in bounds), max(high for _, high in bounds)
 

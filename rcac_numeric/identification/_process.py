@@ -396,7 +396,7 @@ def _delay_intervals(
     h, earlier, record = period or 1.0, int(search.is_direct), search.record
     models = [*((one, one.delay) for one in search.distinct), *((fit, steps) for steps in delays)]
     hidden = {id(one): _hidden_share(record, one) for one, _ in models}
-    last = max(steps for _, steps in models) - earlier
+    last = max(max(steps for _, steps in models) - earlier, 0)  # a feedthrough is within a step
     least = min(steps for _, steps in models) - earlier + skew[0] / h
     most = max(last + 1 + skew[1] / h, 0.0)
     first = min(steps - hidden[id(one)] for one, steps in models) - earlier + skew[0] / h

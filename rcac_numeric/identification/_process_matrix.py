@@ -63,7 +63,7 @@ class ProcessMatrix(Value, Truth):
     innovations, residuals : tuple of arrays
         Of each output, at the steps where it is there.
     gain_intervals : tuple of rows of (float, float) or None
-        95 %, of the gain of each entry, over all credible models. With a pole at 1 that of the
+        Nominal 95 %, of the gain of each entry, over all credible models. With a pole at 1 of the
         slope of y, per second with a sample time, over those with one.
     criteria : tuple of float
         BIC of each output.
