@@ -170,7 +170,12 @@ def clock_of(
             f"{place_of(first + 1, lines)}; rows that turn back: {turning}", turning=turning
         )  # fmt: skip
     rounding = rounding_of(times - times[0])
-    fraction = 10.0**-rounding.places if rounding.printing == "decimals" else rounding.step
+    places = rounding.places
+    # Of stamps below 1 s three digits are three decimals, too, if none has more.
+    decimals = np.round(times - times[0], places)
+    is_decimal = np.abs(times - times[0] - decimals).max() <= 4 * np.spacing(np.abs(times).max())
+    is_decimal &= rounding.printing in ("decimals", "digits")
+    fraction = 10.0**-places if is_decimal else rounding.step
     if rounding.is_exact and (d % 1 == 0).all():
         fraction = 1.0
     even = (times[-1] - times[0]) / (rows - 1)

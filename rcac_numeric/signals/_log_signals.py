@@ -483,7 +483,8 @@ def _unevenness(clock: Clock) -> tuple[float, float]:
 
     0 where the resolution of the stamps hides it.
     """
-    if clock.sample_time is None or clock.resolution or len(clock.times) != len(clock.step_of_row):
+    rows = len(clock.times)
+    if clock.sample_time is None or clock.resolution or rows < 2 or rows != len(clock.step_of_row):
         return 0.0, 0.0
     grid = clock.sample_time * clock.step_of_row
     low, high = _middle(np.diff(clock.times) - np.diff(grid))

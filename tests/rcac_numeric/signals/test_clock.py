@@ -184,6 +184,7 @@ def test_stamps_of_fourteen_digits():
 
 
 @given(seeds, st.sampled_from([0.001, 1.0]), st.integers(100, 2000), st.floats(0.05, 0.4))
+@example(1, 0.001, 1001, 0.25)  # stamps below 1 s: three decimals are three digits
 def test_stamps_of_one_step_with_jitter_are_rounded(seed, period, steps, jitter):
     """0, 1, 1, 3 ms of 1 kHz: a row is late, and the next is in time."""
     rng = np.random.default_rng(seed)
