@@ -123,6 +123,7 @@ class ProcessSearch:
         if may_respond and sinusoids_of_best:
             self._armax(record, omega=sinusoids_of_best[0])
         self._robust()
+        self._trimmed()
         self._rank()
         self._without_cancelled()
         self._jumped()
@@ -602,6 +603,22 @@ class ProcessSearch:
                     for orders in NOISES:
                         self.fit(with_noise(start, noise_start(v, orders)), SHORT)
         return self.fits[first:]
+
+    def _trimmed(self) -> None:
+        """The best models without the first, or the last, coefficient of B.
+
+        All begin with as many as poles; one too many is a delay that is a step too short, or a zero
+        far away.
+        """
+        for one in [one for one in self._best(4) if len(one.B) > 1 and not one.armax]:
+            start = start_of(one)
+            delayed = replace(start, B=start.B[1:], delay=start.delay + 1)
+            shorter = replace(start, B=start.B[:-1])
+            for trimmed in (shorter,) if self.is_known else (delayed, shorter):
+                if np.abs(trimmed.B).any():
+                    fit = self.fit(trimmed, SHORT)
+                    if fit is not None and fit.heavy:
+                        self._keep(weighted_fit(self.record, fit))
 
     def _without_cancelled(self) -> None:
         """Leave out models with a pair that all but cancels, where one without it is credible.
