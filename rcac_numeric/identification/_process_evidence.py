@@ -285,17 +285,12 @@ def delay_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
 def feedthrough_gate(
     search: ProcessSearch, fit: ProcessFit, *, is_commanded: bool = False
 ) -> Gate | None:
-    """Whether y(k) responds to u(k); not tested in a closed loop, where u(k) responds to y(k).
+    """Whether y(k) responds to u(k); None where u(k) responds to y(k).
 
     A u of few values is no response: then y(k) predicts u(k) because it contains it. Raise an error
     where the record shows neither direction, and no command (`is_commanded`) says that u responds.
     """
-    record, is_undecided = search.record, False
-    if search.is_closed and has_many_values(record):
-        direction = leads(record.u, record.y)
-        if direction is False or (direction is None and is_commanded):
-            return None
-        is_undecided = direction is None
+    record = search.record
     plain = fit if not fit.armax else next((one for one in search.fits if not one.armax), None)
     if plain is None or (fit.armax and not search.is_closed):
         return None
@@ -312,8 +307,12 @@ def feedthrough_gate(
     e = fit.e if weights is None else fit.e * weights
     least = min(float(squares[1]), float(e @ e))
     difference = record.steps * float(np.log(least / squares[0])) - float(np.log(record.steps))
-    if is_undecided and difference > ODDS:
-        raise undecided_direction("u", "y", difference)
+    if difference > ODDS and not search.is_direct and has_many_values(record):
+        direction = leads(record.u, record.y)
+        if direction is False or (direction is None and is_commanded):
+            return None
+        if direction is None and search.is_closed:
+            raise undecided_direction("u", "y", difference)
     return Gate(
         "direct feedthrough", difference < ODDS, difference, ODDS,
         f"with u(k) in the model of y(k) the BIC is smaller by {difference:.3g}",
