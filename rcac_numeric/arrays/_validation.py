@@ -250,7 +250,7 @@ def interval(value: object, name: str) -> tuple[float, float]:
     numbers = [number(one, name) for one in items(value, name)]
     if len(numbers) != 2 or numbers[0] > numbers[1]:
         words = ", ".join(f"{one:g}" for one in numbers)
-        raise InputError(f"{name} = ({words}) must be two numbers, (least, largest).")
+        raise InputError(f"{name} = ({words}) must be two numbers, the least one first.")
     return numbers[0], numbers[1]
 
 
