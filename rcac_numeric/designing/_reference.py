@@ -285,7 +285,7 @@ class WeightGrid:
         """The robust controller with nearly the least error, else the most robust one.
 
         Among those within a tenth of the least error the one with the least u; with limits of u,
-        runs with them decide. One that loses a rival is none.
+        runs with them decide. A candidate that loses a rival is left out.
         """
         rivals = list(self.instead[len(self.others) :])
         candidates = {
@@ -301,7 +301,7 @@ class WeightGrid:
 
         Costs are quick beside peaks and beside the loops with every other plant.
         """
-        costs: list[Evaluated] = []
+        costs: list[Evaluated] = []  # as of robust candidates, which `peak` confirms
         for pair, parts in candidates.items():
             if not loop_radius(self.scaled, parts) < SLOWEST:
                 continue
