@@ -24,6 +24,7 @@ from rcac_numeric.designing._log_gates import (
 from rcac_numeric.designing._plants import LONGEST_DELAY, LOW, DesignPlant, Uncertainty
 from rcac_numeric.designing._reference import sensitivity_peak
 from rcac_numeric.identification._box_jenkins import ProcessFit
+from rcac_numeric.identification._hidden_pairs import has_hidden_pair
 from rcac_numeric.identification._prediction_error import PAST_U, STIRRED, excitation
 from rcac_numeric.identification._process import (
     ProcessModel,
@@ -40,7 +41,6 @@ from rcac_numeric.identification._process_evidence import (
     part_fits,
     relative_deviation,
 )
-from rcac_numeric.identification._process_search import has_hidden_pair
 
 PARTS = 2  # of the log, in each of which the model is fitted again
 # A pole that the log cannot distinguish from 1: abs(1 - pole) times its steps is below SLOW, and

@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.compiled._box_jenkins import BoxJenkinsErrors, box_jenkins_errors
-from rcac_numeric.identification._process_records import ProcessRecord
+from rcac_numeric.identification._process_records import ProcessRecord, is_heavy
 
 CIRCLE, OF_C = 0.99999, 0.995  # largest modulus of a pole of the plant or of D, and of a root of C
 DIFFERENCE = np.array([1.0, -1.0])
@@ -366,7 +366,7 @@ def _evaluated(
     return ProcessFit(
         A, B, start.delay, noise, start.summed, start.slope, start.armax,
         float(point.theta[-1]) if start.sinusoid else 0.0, start.jump, e, J, parameters, bic,
-        student < gauss - 0.02,
+        is_heavy(gauss, student),
     )  # fmt: skip
 
 

@@ -18,15 +18,18 @@ from rcac_numeric.identification._box_jenkins import (
     later,
     sinusoids,
 )
-from rcac_numeric.identification._process_records import ProcessRecord
+from rcac_numeric.identification._process_records import ProcessRecord, is_heavy
 
 LONG, ROUNDING = 40, 1e-10  # lags of a long regression; singular values over the largest
 RIDGE = 1e-10  # of the mean square of a column
 TIME_CONSTANTS = 9  # of the grid
 SHORTEST, LONGEST = 0.7, 500.0  # steps, of its time constants
 UNSTABLE = 3.0, 100.0, 6  # steps of time constant, and how many
+ROBUST_ROUNDS = 3  # of Student's weights
 NEAR = 2  # poles of that grid of which the best is a start
 WHITENERS = ((ONE, 0), (ONE, 1), (np.array([1.0, -0.8]), 1))  # D and i, with C = 1
+# C beside A of an unstable plant, and i: white noise, a random walk, white noise beside rare jumps
+UNSTABLE_NOISES = ((ONE, 0), (ONE, 1), (np.array([1.0, -0.9]), 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,46 +133,99 @@ def pole_starts(
     `cost` is what each delay adds to N log(sum of squares), `beside` further parts of
     the level, in rows.
     """
-    steps, delays = record.steps, len(cost)
-    longest = max(10.0, min(steps / 4, LONGEST))
-    one_poles = np.exp(-1 / np.geomspace(SHORTEST, longest, TIME_CONSTANTS))
-    impulse = np.zeros(steps)
-    impulse[0] = 1.0
-    results = []
-    for D, differences in WHITENERS:
+    scans = [_GridScan(record, y, u, whitener, beside) for whitener in WHITENERS]
+    return [scan.best(cost) for scan in scans]
+
+
+def robust_starts(record: ProcessRecord, cost: Array) -> list[tuple[ScanStart, Array, int]]:
+    """Starts of the least errors with Student's weights, those weights, and the differences.
+
+    Spikes and jumps draw least squares away from the plant, in a loop also in u. The weights are
+    first those of a long regression on u, then those of the best start. None where that regression
+    has errors without heavy tails.
+    """
+    starts: list[tuple[ScanStart, Array, int]] = []
+    for whitener in WHITENERS[:2]:
+        scan = _GridScan(record, record.y, record.u, whitener)
+        past = np.stack([*(later(scan.u, k) for k in range(1, LONG // 2 + 1)), *scan.levels])
+        e = _student_errors(record, past, scan.y)
+        if not is_heavy(*record.likelihood(e)[:2]):
+            continue
+        for _ in range(ROBUST_ROUNDS):
+            weights = record.weights(e)
+            best = scan.best(cost, weights)
+            e = _student_errors(record, scan.columns_of(best[0]), scan.y, weights, 1)
+        starts += [(one, weights, whitener[1]) for one in best]
+    return starts
+
+
+def _student_errors(
+    record: ProcessRecord, columns: Array, y: Array, weights: Array | None = None,
+    rounds: int = 8,
+) -> Array:  # fmt: skip
+    """The errors of a regression of y with Student's weights, which follow them."""
+    weights, e = np.ones(len(y)) if weights is None else weights, y
+    for _ in range(rounds):
+        theta = np.linalg.lstsq((columns * weights).T, weights * y, rcond=ROUNDING)[0]
+        e = y - theta @ columns
+        weights = record.weights(e)
+    return e
+
+
+class _GridScan:
+    """A whitened record, and u and the initial state behind one and two real poles of a grid."""
+
+    def __init__(
+        self, record: ProcessRecord, y: Array, u: Array, whitener: tuple[Array, int],
+        beside: Sequence[Array] = (),
+    ) -> None:  # fmt: skip
+        steps = self.steps = record.steps
+        longest = max(10.0, min(steps / 4, LONGEST))
+        D, differences = whitener
         top = np.convolve(D, DIFFERENCE) if differences else D
-        rows = [y, u, impulse, np.ones(steps), *beside]
-        y_f, u_f, h, *levels = lfilter(top, ONE, np.stack(rows))
-        filtered, denominators = [], []
-        for a in one_poles:
-            first = lfilter(ONE, [1.0, -a], np.stack([u_f, h]))
+        rows = [y, u, np.eye(1, steps)[0], np.ones(steps), *beside]
+        self.y, self.u, h, *self.levels = lfilter(top, ONE, np.stack(rows))
+        filtered, self.denominators = [], list[Array]()
+        for a in np.exp(-1 / np.geomspace(SHORTEST, longest, TIME_CONSTANTS)):
+            first = lfilter(ONE, [1.0, -a], np.stack([self.u, h]))
             filtered += [first, lfilter(ONE, [1.0, -(a**2)], first)]
-            denominators += [np.array([1.0, -a]), np.poly([a, a**2])]
+            self.denominators += [np.array([1.0, -a]), np.array([1.0, -a - a**2, a**3])]
         both = np.stack(filtered)
-        free = np.stack(
-            [*(np.broadcast_to(one, both[:, 1].shape) for one in levels), both[:, 1]], axis=1
-        )
-        scan = delay_scan(y_f, both[:, 0], free, 2, delays)
-        value = steps * np.log(scan.squares) + cost
+        self.driven, states = both[:, 0], both[:, 1]
+        levels = (np.broadcast_to(one, states.shape) for one in self.levels)
+        self.free = np.stack([*levels, states], axis=1)
+
+    def best(self, cost: Array, weights: Array | None = None) -> tuple[ScanStart, ...]:
+        """The best one and two poles, the better first."""
+        y, free = self.y, self.free
+        if weights is not None:
+            y, free = y * weights, free * weights
+        scan = delay_scan(y, self.driven, free, 2, len(cost), weights)
+        value = self.steps * np.log(scan.squares) + cost
         at = value.argmin(axis=1)
         least = value[np.arange(len(at)), at]
         best = []
         for parity in (0, 1):
             j = parity + 2 * int(least[parity::2].argmin())
             best.append(ScanStart(
-                denominators[j], scan.numerators[j, at[j]], int(at[j]), float(least[j])
+                self.denominators[j], scan.numerators[j, at[j]], int(at[j]), float(least[j])
             ))  # fmt: skip
-        results.append(tuple(sorted(best, key=lambda one: one.square)))
-    return results
+        return tuple(sorted(best, key=lambda one: one.square))
+
+    def columns_of(self, start: ScanStart) -> Array:
+        """What y is regressed on for the poles and the delay of a start."""
+        j = next(k for k, A in enumerate(self.denominators) if A is start.A)
+        u = [later(self.driven[j], start.delay + k) for k in (1, 2)]
+        return np.stack([*u, *self.free[j]])
 
 
 def unstable_starts(
     record: ProcessRecord, cost: Array, beside: Sequence[Array] = ()
-) -> list[tuple[ScanStart, int]]:
-    """The best models with a pole outside the circle, and the differences of their noise.
+) -> list[tuple[ScanStart, Array, int]]:
+    """The best models with a pole outside the circle, with C and the differences of their noise.
 
-    Of each two neighbours of a grid of poles, at the best delay, where C is A with that pole
-    reflected: then y goes through an all-pass, and the errors are those of the output (Forssell and
+    Of each two neighbours of a grid of poles, at the best delay, where A with that pole reflected
+    is in C: then y goes through an all-pass, and the errors are those of the output (Forssell and
     Ljung).
     """
     steps, results = record.steps, []
@@ -180,18 +236,19 @@ def unstable_starts(
     for k, p in enumerate(np.exp(1 / np.geomspace(*UNSTABLE))):
         grid += [(p,), (p, 0.5), (p, 0.9), (p, 1 / p)]
         pole_of += [k] * 4
-    for differences in (0, 1):
+    for of_level, differences in UNSTABLE_NOISES:
         top = DIFFERENCE if differences else ONE
-        ys, us, free, denominators = [], [], [], []
+        ys, us, free, denominators, noises = [], [], [], [], []
         for poles in grid:
             A = np.asarray(np.poly(poles), dtype=np.float64)
-            C = np.poly([1 / poles[0], *poles[1:]])
+            C = np.convolve(np.poly([1 / poles[0], *poles[1:]]), of_level)
             u = lfilter(top, C, u_y[0])
             ys.append(lfilter(np.convolve(top, A), C, u_y[1]))
             us.append(u)
             start, *levels = lfilter(top, C, np.stack([impulse, np.ones(steps), *beside]))
             free.append(np.stack([*levels, start, later(start, 1)]))
             denominators.append(A)
+            noises.append(C)
         scan = delay_scan(np.stack(ys), np.stack(us), np.stack(free), 2, len(cost))
         value = steps * np.log(scan.squares) + cost
         at = value.argmin(axis=1)
@@ -205,7 +262,7 @@ def unstable_starts(
             j = int(np.where((kinds == kind).all(axis=1), least, np.inf).argmin())
             B = scan.numerators[j, at[j]]
             results.append(
-                (ScanStart(denominators[j], B, int(at[j]), float(least[j])), differences)
+                (ScanStart(denominators[j], B, int(at[j]), float(least[j])), noises[j], differences)
             )
     return results
 

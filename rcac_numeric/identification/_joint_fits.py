@@ -28,7 +28,7 @@ from rcac_numeric.identification._box_jenkins import (
 )
 from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._prediction_error import ODDS
-from rcac_numeric.identification._process_records import DEGREES
+from rcac_numeric.identification._process_records import DEGREES, is_heavy
 from rcac_numeric.identification._process_search import FEW
 
 ROUNDS = 8  # in which a frequency and all else are fitted in turn
@@ -389,7 +389,7 @@ def joint_fit(
     )
     return JointFit(
         channels, noise, start.slope, start.sinusoid, e, J[:, record.observed], parameters, bic,
-        student < gauss - 0.02,
+        is_heavy(gauss, student),
     )  # fmt: skip
 
 

@@ -25,6 +25,14 @@ from rcac_numeric.identification._delay_scan import (
     delay_scan,
     regression_roots,
 )
+from rcac_numeric.identification._disturbance_parts import MOST_JUMPS, PEAK
+from rcac_numeric.identification._hidden_pairs import (
+    CANCELLED,
+    RESOLVED,
+    cancelling_pairs,
+    hides_a_pair,
+    roots_of,
+)
 from rcac_numeric.identification._joint_fits import (
     Channel,
     JointFit,
@@ -39,14 +47,10 @@ from rcac_numeric.identification._joint_records import JointRecord
 from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_records import DEGREES, JUMP, ROBUST
 from rcac_numeric.identification._process_search import (
-    CANCELLED,
     DRIFTING,
-    MOST_JUMPS,
     MOST_STEPS,
     NOISES,
     NOTCH,
-    PEAK,
-    RESOLVED,
     RICHER,
     RING,
     SAME,
@@ -54,9 +58,6 @@ from rcac_numeric.identification._process_search import (
     SLOW,
     USUAL,
     WORSE,
-    cancelling_pairs,
-    hides_a_pair,
-    roots_of,
 )
 from rcac_numeric.identification._scalar_record import SHARE, integrated_share
 

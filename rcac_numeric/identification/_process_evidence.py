@@ -34,6 +34,7 @@ from rcac_numeric.identification._process_search import (
     FEW,
     NOISES,
     RICHER,
+    SIMPLE,
     ProcessSearch,
     has_many_values,
 )
@@ -175,12 +176,12 @@ def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
 
 
 def bic_without_u(record: ProcessRecord, fit: AnyFit, sinusoid: float = 0.0) -> float:
-    """The least BIC of models of y alone: noise of order 2, and that of the fit.
+    """The least BIC of models of y alone: noise of order 2 or less, and that of the fit.
 
     The latter with its slope, and a sinusoid of the frequency given.
     """
     y, values = record.y, []
-    starts = [_alone(noise_start(y, orders)) for orders in RICHER.values()]
+    starts = [_alone(noise_start(y, orders)) for orders in (*SIMPLE, *NOISES, *RICHER.values())]
     starts.append(_alone(noise_start(y - np.linspace(y[0], y[-1], len(y)), RICHER[0]), True))
     starts.append(_alone(fit.noise, fit.slope or fit.integrates, sinusoid))
     for start in starts:
@@ -238,7 +239,7 @@ def jump_penalty(record: ProcessRecord) -> float:
 def bic_of_jumps(record: ProcessRecord, sinusoid: float = 0.0) -> float:
     """The least BIC of y with up to three level jumps and without u."""
     without = np.inf
-    for orders in NOISES:
+    for orders in (*SIMPLE, *NOISES):
         start = _alone(noise_start(record.y, orders), sinusoid=sinusoid)
         alone = fitted(record, start, is_plant_fixed=True)
         if alone is None:

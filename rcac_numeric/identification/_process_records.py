@@ -23,6 +23,7 @@ SPAN = 5  # rows, of which the median is no spike: one or two values
 SPIKES = 0.02  # of the steps: more of them are no accidents
 JUMP = 6.0  # robust standard deviations of a difference: a jump of the level
 DEGREES = 4.0  # of Student's t
+HEAVY = 0.02  # of -2 log likelihood a step, by which that is the better
 ROBUST = 1.4826  # standard deviations of a Gaussian in a median of absolute values
 QUANTUM_SD = 12**-0.5  # standard deviation of rounding, in quanta
 SHARPEST = 0.02  # of a quantum: the least scale of the noise before the rounding
@@ -146,6 +147,11 @@ def likelihood_of(e: Array, quantum: float) -> tuple[float, float, float]:
     gauss = float(np.log(variance) + mean / variance + GAUSS_CONSTANT)
     tails = (DEGREES + 1) * float(np.mean(np.log1p(squares / (DEGREES * scale**2))))
     return gauss, 2 * float(np.log(scale)) + tails + T_CONSTANT, scale
+
+
+def is_heavy(gauss: float, student: float) -> bool:
+    """Whether Student's likelihood is the better by 0.02 a step."""
+    return student < gauss - HEAVY
 
 
 def _of_cells(size: Array, quantum: float, log_share: Callable[[Array, Array], Array]) -> float:

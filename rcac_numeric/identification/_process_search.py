@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from rcac_numeric.identification._box_jenkins import (
     fitted,
     later,
     noise_start,
+    residual_of,
     sinusoids,
     start_of,
     weighted_fit,
@@ -28,33 +30,45 @@ from rcac_numeric.identification._delay_scan import (
     pole_starts,
     regression_roots,
     regression_start,
+    robust_starts,
     scanned_again,
     unstable_starts,
 )
+from rcac_numeric.identification._disturbance_parts import (
+    differenced,
+    joint_innovations,
+    peak_of,
+    without_level_jumps,
+    without_outliers,
+)
+from rcac_numeric.identification._hidden_pairs import (
+    RESOLVED,
+    cancelling_pairs,
+    has_hidden_pair,
+    has_unstable_part,
+    roots_of,
+)
 from rcac_numeric.identification._prediction_error import ODDS, answers
-from rcac_numeric.identification._process_records import JUMP, ROBUST, ProcessRecord
+from rcac_numeric.identification._process_records import ProcessRecord
 from rcac_numeric.identification._scalar_record import SHARE, integrated_share
+from rcac_numeric.identification._simpler_models import simpler_starts
 
 USUAL = 80  # steps: a longer dead time must pay ODDS
 MOST_STEPS = 1000  # of a dead time
 NOISES = ((1, 1, 0), (1, 0, 1))  # orders of C and D, and differences
+SIMPLE = ((0, 0, 0), (0, 1, 0), (0, 0, 1))  # which the former contain
 RICHER = {0: (2, 2, 0), 1: (2, 1, 1)}
 SHORT = 5  # iterations of a fit that is compared only
 MOST_ORDER = 4
 FEW = 3  # moves of u: what the disturbance does beside them may be all that is to be seen
 SLOW = 30.0  # abs(1 - pole) times the steps: a pole that may be 1
-PEAK = 20.0  # of the median of the periodogram: a sinusoid
+SLOWEST = 3  # periods in a record, beside a slope: no peak of a sinusoid
 RING, NOTCH = 0.9995, 0.9  # moduli of the roots of D and C of a sinusoid
-CANCELLED, BESIDE = 0.1, 0.95  # distance of a zero from a pole of a larger modulus
-ALIKE = 2e-3  # distance at which a pair all but cancels at 0.02 rad/step and above
-# Frequencies that a record resolves are 2 pi over its steps apart: a pole half of that from the
-# circle, and a zero within it, are a part of the disturbance as far as the record can tell.
-RESOLVED = 2 * float(np.pi)
 SAME = 50.0  # of that frequency: sinusoids within it have the same response beside them
 SLOW_WAVE = 0.3  # of that frequency: the slowest sinusoid that is tried in place of a pole
+SIMPLIFIED = 8  # kinds of models that are made simpler
 REFITTED = 8  # models that are fitted again by Student's likelihood
 MANY = 8  # values of u: fewer are no answer to y
-MOST_JUMPS = 0.02  # of the steps
 DRIFTING = 0.95  # root of C beside the difference of a noise that hardly drifts
 WORSE = 60.0  # of BIC: what is not continued
 
@@ -106,6 +120,7 @@ class ProcessSearch:
         clipped = record.clipped()
         if clipped is not None:
             self._clipped(replace(record, y=clipped))
+        self._robust_starts()
         self._sloped()
         self._extended()
         self._integrating()
@@ -114,16 +129,16 @@ class ProcessSearch:
         may_respond = self.is_closed or (has_many_values(record) and record.steps >= 100)
         if may_respond:
             self._armax(record)
-            y = _without_jumps(record)
+            y = without_level_jumps(record)
             if y is not None:
                 self._armax_of_clipped(replace(record, y=y))
         self._cancelled()
-        self._undamped()
-        sinusoids_of_best = [one.sinusoid for one in self._best(1) if one.sinusoid]
-        if may_respond and sinusoids_of_best:
-            self._armax(record, omega=sinusoids_of_best[0])
+        omegas = self._undamped()
+        omega = self._beside_unstable(omegas) if may_respond else 0.0
+        if omega:
+            self._armax(record, omega=omega)
         self._robust()
-        self._trimmed()
+        self._simplified()
         self._rank()
         self._without_cancelled()
         self._jumped()
@@ -188,7 +203,7 @@ class ProcessSearch:
     def _rank(self) -> None:
         self.fits = [
             one for one in self.fits
-            if (not one.armax or _has_unstable_part(one))
+            if (not one.armax or has_unstable_part(one))
             and (not one.summed or integrated_share(one.A, one.B) > SHARE)
         ]  # fmt: skip
         self.fits.sort(key=_bic)
@@ -199,7 +214,7 @@ class ProcessSearch:
         for pair in pole_starts(record, record.y, record.u, self.costs):
             starts += [Start(one.A, one.B, one.delay, none) for one in pair]
         for differences in (0, 1):
-            y, u = _differenced(record, differences)
+            y, u = differenced(record, differences)
             regressions = [
                 (*regression_start(y, u, (), n, self.costs), n) for n in (1, 2, 3)
             ]  # fmt: skip
@@ -264,6 +279,25 @@ class ProcessSearch:
             if at_start is not None and at_start.heavy:
                 self._keep(weighted_fit(self.record, at_start))
 
+    def _robust_starts(self) -> None:
+        """Fits by Student's likelihood from the global start with its weights.
+
+        A best model by least squares may hide that tails are heavy: it spreads them.
+        """
+        first = len(self.fits)
+        for scan, weights, differences in robust_starts(self.record, self.costs):
+            start = Start(scan.A, scan.B, scan.delay, NoiseModel(ONE, ONE, differences))
+            self._student_fit(start, weights, 8)
+        for one in sorted(self.fits[first:], key=_bic)[:1]:
+            v = without_outliers(disturbance(self.record, one), one.noise.differences)
+            start = with_noise(start_of(one), noise_start(v, NOISES[one.noise.differences]))
+            self._student_fit(start, self.record.weights(one.e), 8)
+
+    def _student_fit(self, start: Start, weights: Array, iterations: int) -> ProcessFit | None:
+        """A fit by Student's likelihood that begins with some weights; it is kept."""
+        fit = fitted(self.record, start, weights=weights, iterations=iterations)
+        return None if fit is None else self._keep(weighted_fit(self.record, fit))
+
     def _moved(self, fit: ProcessFit) -> ProcessFit:
         """The fit at the best delay for its poles and noise, if that is another one."""
         if self.is_known:
@@ -308,7 +342,8 @@ class ProcessSearch:
                     B = np.concatenate([np.zeros(earlier), B])[:n]
                     B = np.concatenate([B, np.zeros(n - len(B))])
                     if np.abs(B).any():
-                        self.fit(replace(start_of(fit), A=A, B=B, delay=fit.delay - earlier))
+                        longer = replace(start_of(fit), A=A, B=B, delay=fit.delay - earlier)
+                        self._alike(longer, fit, 25)
             now = self._best(1, n, summed=False)
             if now and now[0].bic > below[0].bic and (not before or now[0] is before[0]) and n > 2:
                 break
@@ -398,6 +433,7 @@ class ProcessSearch:
                 continue
             for one in self._beside(np.asarray(k >= row, dtype=np.float64), jump=row)[:2]:
                 self.fit(start_of(one))
+        self._simplified(first)
         self.jumped = sorted(self.fits[first:], key=_bic)
         del self.fits[first:]
 
@@ -408,23 +444,20 @@ class ProcessSearch:
             C = np.concatenate([one.noise.C, np.zeros(n_C)])[: n_C + 1]
             D = np.concatenate([one.noise.D, np.zeros(n_D)])[: n_D + 1]
             if len(one.noise.C) < n_C + 1 or len(one.noise.D) < n_D + 1:
-                self.fit(with_noise(start_of(one), NoiseModel(C, D, differences)))
+                self._alike(with_noise(start_of(one), NoiseModel(C, D, differences)), one)
 
     def _sinusoids(self) -> None:
         """A narrow D at the peak of the periodogram of what the best models leave."""
         steps = self.record.steps
         best = self._best(2)
         best += [one for one in self._best(8) if one.order != best[0].order][:1]
-        k = np.arange(steps)
         for one in best:
             if one.armax:
                 continue
             A = np.convolve(one.A, [1, -CIRCLE]) if one.summed else one.A
             v = disturbance(self.record, Start(A, one.B, one.delay, one.noise))
-            v = v - np.polyval(np.polyfit(k, v, 1), k)
-            power = np.abs(np.fft.rfft(v * np.hanning(steps))) ** 2
-            at = int(power[2:].argmax()) + 2
-            if power[at] < PEAK * np.median(power[1:]):
+            at = peak_of(v)
+            if not at:
                 continue
             z = np.exp(2j * np.pi * at / steps)
             D = np.real(np.poly([RING * z, RING / z]))
@@ -470,8 +503,8 @@ class ProcessSearch:
         waves = sinusoids(omega, record.steps) if omega else ()
         starts: list[tuple[float, Start]] = []
         for differences in (0, 1):
-            y, u = _differenced(record, differences)
-            both = _joint_innovations(y, u)
+            y, u = differenced(record, differences)
+            both = joint_innovations(y, u)
             for n in range(1, MOST_ORDER + 1):
                 past = [later(both, k) for k in range(1, n + 1)]
                 for columns in ((), past):
@@ -483,8 +516,8 @@ class ProcessSearch:
         starts.sort(key=lambda one: one[0])
         regressions = [start for _, start in starts[:4]]
         scanned = [
-            Start(one.A, one.B, one.delay, NoiseModel(confined(one.A, 1.0), ONE, i), armax=True)
-            for one, i in unstable_starts(record, self.costs, waves)
+            Start(one.A, one.B, one.delay, NoiseModel(C, ONE, i), armax=True)
+            for one, C, i in unstable_starts(record, self.costs, waves)
         ]
         for start in [replace(one, sinusoid=omega) for one in scanned + regressions]:
             n, differences = len(start.A) - 1, start.noise.differences
@@ -518,7 +551,7 @@ class ProcessSearch:
                     start, A=np.convolve(one.A, [1, -0.3]), B=np.convolve(one.B, [1, -0.3]),
                     noise=replace(one.noise, C=C),
                 ))  # fmt: skip
-        if not any(_has_unstable_part(one) for one in self.fits[first:]):
+        if not any(has_unstable_part(one) for one in self.fits[first:]):
             del self.fits[first:]
 
     def _cancelled(self) -> None:
@@ -540,11 +573,12 @@ class ProcessSearch:
                 if fit is not None:
                     self._moved(fit)
 
-    def _undamped(self) -> None:
+    def _undamped(self) -> list[float]:
         """A sinusoid of the disturbance in place of a pair of poles of A or D on the circle.
 
         And at such roots of a long regression on past y and u: a wrong plant hides the sinusoid in
         what it leaves. The record is searched anew, also where a model has that sinusoid already.
+        Returns the frequencies that were tried.
         """
         self._rank()
         of_fits = [
@@ -560,6 +594,29 @@ class ProcessSearch:
                 if all(abs(omega - other) > near for other in tried):
                     tried.append(omega)
                     self._beside_sinusoid(omega)
+        return tried
+
+    def _beside_unstable(self, omegas: list[float]) -> float:
+        """The frequency of a sinusoid beside the best model; 0 where there is none.
+
+        An unstable model hides it in further poles: that of the frequencies, or of the peaks of
+        periodograms, beside which the starts of unstable models have the least errors.
+        """
+        record, best = self.record, self._best(1)
+        if not best or best[0].sinusoid or not best[0].armax:
+            return best[0].sinusoid if best else 0.0
+        peaks = {peak_of(v) for v in (record.y, residual_of(record, best[0]))}
+        omegas = [*omegas[:1], *(2 * np.pi * at / record.steps for at in peaks if at > SLOWEST)]
+        least, chosen = self._least_of_unstable(()) - ODDS, 0.0
+        for omega in omegas:
+            value = self._least_of_unstable(sinusoids(omega, record.steps))
+            if value < least:
+                least, chosen = value, omega
+        return chosen
+
+    def _least_of_unstable(self, waves: Sequence[Array]) -> float:
+        starts = unstable_starts(self.record, self.costs, waves)
+        return min((one.square for one, _, _ in starts), default=np.inf)
 
     def _on_circle(self, roots: ComplexArray) -> ComplexArray:
         """The roots with positive imaginary part that the record cannot tell from the circle."""
@@ -604,21 +661,36 @@ class ProcessSearch:
                         self.fit(with_noise(start, noise_start(v, orders)), SHORT)
         return self.fits[first:]
 
-    def _trimmed(self) -> None:
-        """The best models without the first, or the last, coefficient of B.
+    def _simplified(self, first: int = 0) -> None:
+        """The credible models, and those that may be, with fewer coefficients, if that pays.
 
-        All begin with as many as poles; one too many is a delay that is a step too short, or a zero
-        far away.
+        All begin with full orders of B and noise: one coefficient too many is a delay that is a
+        step too short, or a zero far away, and a rival with fewer is compared with a best model
+        that has none too many.
         """
-        for one in [one for one in self._best(4) if len(one.B) > 1 and not one.armax]:
-            start = start_of(one)
-            delayed = replace(start, B=start.B[1:], delay=start.delay + 1)
-            shorter = replace(start, B=start.B[:-1])
-            for trimmed in (shorter,) if self.is_known else (delayed, shorter):
-                if np.abs(trimmed.B).any():
-                    fit = self.fit(trimmed, SHORT)
-                    if fit is not None and fit.heavy:
-                        self._keep(weighted_fit(self.record, fit))
+        margin = ODDS + 2 * float(np.log(self.record.steps))
+        kinds: dict[tuple[object, ...], ProcessFit] = {}
+        fits = sorted(self.fits[first:], key=_bic)
+        for one in fits:
+            key = (
+                one.order, one.delay, one.noise.differences, one.armax, one.summed, one.slope,
+                one.jump,
+            )  # fmt: skip
+            if one.bic < fits[0].bic + margin:
+                kinds.setdefault(key, one)
+        for one in list(kinds.values())[:SIMPLIFIED]:
+            best: ProcessFit | None = one
+            while best is not None:
+                starts = [*simpler_starts(best, is_known=self.is_known)]
+                simpler = [self._alike(start, best) for start in starts]
+                better = [fit for fit in simpler if fit is not None and fit.bic < best.bic]
+                best = min(better, key=_bic, default=None)
+
+    def _alike(self, start: Start, fit: ProcessFit, iterations: int = SHORT) -> ProcessFit | None:
+        """A fit from a start near another fit, by the same likelihood."""
+        if not fit.heavy:
+            return self.fit(start, iterations)
+        return self._student_fit(start, self.record.weights(fit.e), SHORT)
 
     def _without_cancelled(self) -> None:
         """Leave out models with a pair that all but cancels, where one without it is credible.
@@ -663,73 +735,8 @@ class ProcessSearch:
                 self.fits.append(replace(fit, bic=fit.bic + cost))
 
 
-def _differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]:
-    if not differences:
-        return record.y, record.u
-    y, u = record.y, record.u
-    return np.diff(y, prepend=y[0]), np.diff(u, prepend=u[0])
-
-
-def _without_jumps(record: ProcessRecord) -> Array | None:
-    """Y without the level jumps in the innovations of its differences.
-
-    A long regression on past y and u, with Student's weights: what u does is no jump. None if there
-    are no jumps, or more than accidents.
-    """
-    y, u = _differenced(record, 1)
-    steps = len(y)
-    p = min(20, steps // 20)
-    X = np.stack([*(later(y, k) for k in range(1, p + 1)), *(later(u, k) for k in range(1, p + 1))])
-    weights = np.ones(steps)
-    e = y
-    for _ in range(8):
-        scaled = X * weights
-        H = scaled @ scaled.T
-        H[np.diag_indices_from(H)] *= 1 + 1e-9
-        a = np.linalg.solve(H + 1e-300 * np.eye(2 * p), scaled @ (weights * y))
-        e = y - a @ X
-        weights = record.weights(e)
-    size = JUMP * (ROBUST * float(np.median(np.abs(e))) + 1e-12)
-    e[:p] = 0.0  # there the past of the record is not known
-    response = np.concatenate([ONE, -a[:p]])  # of e to a jump
-    jumps = np.zeros(steps)
-    for _ in range(int(MOST_JUMPS * steps)):
-        late = np.nonzero(np.abs(e) > size)[0]
-        if not len(late):
-            return np.asarray(record.y - np.cumsum(jumps)) if jumps.any() else None
-        k = int(late[0])
-        jumps[k] += e[k]
-        e[k : k + p + 1] -= e[k] * response[: steps - k]
-    return None
-
-
-def _joint_innovations(y: Array, u: Array) -> Array:
-    """What a long regression of y on past y and u leaves."""
-    p = min(20, len(y) // 20)
-    X = np.stack([*(later(y, k) for k in range(p + 1)), *(later(u, k) for k in range(1, p + 1))])
-    X = X[:, p:] - X[:, p:].mean(axis=1, keepdims=True)
-    H = X[1:] @ X[1:].T
-    H[np.diag_indices_from(H)] *= 1 + 1e-9
-    a = np.linalg.solve(H + 1e-300 * np.eye(2 * p), X[1:] @ X[0])
-    e = np.zeros_like(y)
-    e[p:] = X[0] - a @ X[1:]
-    return e
-
-
 def _bic(fit: ProcessFit) -> float:
     return fit.bic
-
-
-def has_hidden_pair(fit: ProcessFit) -> bool:
-    """Whether a pole near the circle and a zero all but cancel: a hidden mode of every loop."""
-    return hides_a_pair(fit.poles, roots_of(fit.B), len(fit.e))
-
-
-def hides_a_pair(poles: ComplexArray, zeros: ComplexArray, steps: int) -> bool:
-    """Whether a pole near the circle and a zero all but cancel, as far as a record can tell."""
-    resolved = RESOLVED / steps
-    alike = cancelling_pairs(poles, zeros, ALIKE)
-    return bool(alike or cancelling_pairs(poles, zeros, resolved, 1 - resolved / 2))
 
 
 def _reflection(fit: ProcessFit) -> float:
@@ -742,45 +749,8 @@ def _reflection(fit: ProcessFit) -> float:
     return 2 * len(fit.e) * float(np.log(size[size > 1]).sum())
 
 
-def _has_unstable_part(fit: ProcessFit) -> bool:
-    """Whether a pole is outside the circle, and no zero all but cancels it."""
-    zeros = np.roots(fit.B)
-    for pole in fit.poles[np.abs(fit.poles) > 1.001]:
-        nearest = np.abs(zeros - pole).min(initial=np.inf)
-        if nearest > max(ALIKE, 0.1 * (abs(pole) - 1)):
-            return True
-    return False
-
-
 def _slowest(fit: ProcessFit) -> float:
     """The largest real pole."""
     poles = fit.poles
     real = poles.real[np.abs(poles.imag) < 1e-9]
     return float(real.max(initial=-1.0))
-
-
-def roots_of(A: Array) -> ComplexArray:
-    """The roots, complex where all are real, too."""
-    return np.asarray(np.roots(A), dtype=np.complex128)
-
-
-def cancelling_pairs(
-    poles: ComplexArray, zeros: ComplexArray, distance: float = CANCELLED, beside: float = BESIDE
-) -> list[tuple[list[int], list[int]]]:
-    """Indices of poles near the circle, real or a pair, and of the zeros beside them."""
-    pairs = []
-    for i, pole in enumerate(poles):
-        if abs(pole) < beside or pole.imag < -1e-9 or not len(zeros):
-            continue
-        near = np.argsort(np.abs(zeros - pole))
-        if abs(zeros[near[0]] - pole) > distance:
-            continue
-        if pole.imag <= 1e-9:
-            if abs(zeros[near[0]].imag) < 1e-9:
-                pairs.append(([i], [int(near[0])]))
-            continue
-        partner = int(np.argmin(np.abs(poles - pole.conj())))
-        if len(zeros) > 1 and abs(zeros[near[0]].imag) > 1e-9:
-            other = int(np.argmin(np.abs(zeros - zeros[near[0]].conj())))
-            pairs.append(([i, partner], [int(near[0]), other]))
-    return pairs

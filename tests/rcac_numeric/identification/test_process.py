@@ -25,6 +25,8 @@ from rcac_numeric.identification._box_jenkins import (
     value_before,
 )
 from rcac_numeric.identification._delay_scan import delay_scan
+from rcac_numeric.identification._disturbance_parts import without_level_jumps
+from rcac_numeric.identification._hidden_pairs import has_hidden_pair
 from rcac_numeric.identification._prediction_error import ODDS, _odds_of_cause, leads
 from rcac_numeric.identification._process import search_of
 from rcac_numeric.identification._process_evidence import (
@@ -41,10 +43,6 @@ from rcac_numeric.identification._process_records import (
     likelihood_of,
     process_record,
     without_spikes,
-)
-from rcac_numeric.identification._process_search import (
-    _without_jumps,
-    has_hidden_pair,
 )
 from tests.support.strategies import seeds
 
@@ -208,7 +206,7 @@ def test_level_jumps_of_a_loop_are_those_of_its_innovations():
         u[k] = -0.3 * (y[k] - command[k])
         x = 1.03 * x + 0.5 * u[k]
     record = process_record(u, y)
-    removed = np.diff(record.y - _without_jumps(record), prepend=0.0) * record.units[1]
+    removed = np.diff(record.y - without_level_jumps(record), prepend=0.0) * record.units[1]
     # A jump is known to a few standard deviations of the innovations, and none is invented.
     assert np.abs(removed - jumps).max() < 0.2
 
