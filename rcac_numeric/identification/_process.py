@@ -193,10 +193,11 @@ def identify_process(
     feedthrough, y(k) responding to u(k), is part of the model where it pays odds of ten thousand
     and u does not respond to y(k).
     The search begins at every delay up
-    to a sixth of the record (1000 at most), a grid of poles and three noise filters. BIC ranks the
-    models, by the better of Gauss's and Student's likelihood, the latter no sharper than the
-    rounding of y. What is within odds of one to ten thousand of the best is credible, and gates say
-    what the record leaves open.
+    to a sixth of the record (1000 at most), a grid of poles and three noise filters, by least
+    squares and, where errors have heavy tails, with Student's weights. BIC ranks the models, by
+    the better of Gauss's and Student's likelihood, the latter no sharper than the rounding of y;
+    the best ones lose coefficients and poles that the record does not show. What is within odds of
+    one to ten thousand of the best is credible, and gates say what the record leaves open.
 
     Parameters
     ----------
