@@ -178,6 +178,8 @@ class MatrixLogSearch:
                 "has a dead time of its own. Leave it out."
             )
         self.sample_time, self.source = sample_time, logs[0].source
+        skews = np.array([log.time_skew for log in logs])
+        self.time_skew = float(skews[:, 0].min()), float(skews[:, 1].max())
         if len(logs) > 1:
             self.source = f"{len(logs)} logs"
         self.search = matrix_search(u, y, experiments)
@@ -221,7 +223,7 @@ class MatrixLogSearch:
     def logged(self, fits: tuple[JointFit, ...], gates: tuple[Gate, ...] = ()) -> LoggedMatrix:
         """The plant of a model of each output, its parts and its disturbances."""
         search = self.search
-        model = process_matrix(search, fits, gates, self.sample_time)
+        model = process_matrix(search, fits, gates, self.sample_time, self.time_skew)
         every = self.every(fits)
         plant = checked_plant(self.plant(fits, every))
         sizes = []

@@ -31,6 +31,7 @@ from rcac_numeric.identification._process_evidence import (
     NORMAL,
     OMEGA,
     Gate,
+    hidden_share,
     inflation,
     without_jumps,
 )
@@ -210,6 +211,28 @@ def channel_gain_bounds(search: JointSearch, fit: JointFit, j: int) -> tuple[flo
         width = NORMAL * float(np.sqrt(max(variance, 0.0)))
         bounds.append((B / A - width, B / A + width))
     return min(low for low, _ in bounds), max(high for _, high in bounds)
+
+
+def channel_delay_bounds(search: JointSearch, fit: JointFit, j: int) -> tuple[float, int]:
+    """When the response to an input begins at the earliest, and its longest delay; in steps.
+
+    Over all credible models, and all credible delays of this one.
+    """
+    mine = fit.channel(j)
+    assert mine is not None
+    firsts, delays = [], []
+    for one in (fit, *search.rivals):
+        channel = one.channel(j)
+        if channel is None:
+            continue
+        at = one.places[one.channels.index(channel)].start + channel.order
+        variance = float(joint_covariance(search.record, one)[at, at])
+        credible = [channel.delay]
+        if one is fit:
+            credible += [other.delay for other in channel_delays(search, fit, mine)]
+        firsts.append(min(credible) - hidden_share(float(channel.B[0]), variance, channel.order))
+        delays += credible
+    return min(firsts), max(delays)
 
 
 def channel_bandwidth(channel: Channel) -> float:

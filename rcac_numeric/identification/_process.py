@@ -31,10 +31,12 @@ from rcac_numeric.identification._process_evidence import (
     Gate,
     bandwidth,
     credible_delays,
+    dead_time_interval,
     delay_gate,
     effect_gate,
     feedthrough_gate,
     gain_gate,
+    hidden_share,
     jump_gate,
     parameter_covariance,
     sign_gate,
@@ -391,30 +393,24 @@ def _delay_intervals(
 ) -> tuple[tuple[int, int], tuple[float, float]]:  # fmt: skip
     """The intervals of the delay in steps and of the dead time, in seconds with a sample time.
 
-    u(k - 1 - d) is the last one with an effect on y(k), and held for a step: the dead time is from
-    d to d + 1 steps. A shorter one is possible where its first coefficient is too small to show.
+    A dead time shorter than the delays is possible where the first coefficient of a model is too
+    small to show.
     """
-    h, earlier, record = period or 1.0, int(search.is_direct), search.record
+    h, record = period or 1.0, search.record
     models = [*((one, one.delay) for one in search.distinct), *((fit, steps) for steps in delays)]
     hidden = {id(one): _hidden_share(record, one) for one, _ in models}
-    last = max(max(steps for _, steps in models) - earlier, 0)  # a feedthrough is within a step
-    least = min(steps for _, steps in models) - earlier + skew[0] / h
-    most = max(last + 1 + skew[1] / h, 0.0)
-    first = min(steps - hidden[id(one)] for one, steps in models) - earlier + skew[0] / h
-    in_steps = max(int(np.floor(least)), 0), max(int(np.ceil(most - 1e-9)) - 1, 0)
-    return in_steps, (max(first, 0.0) * h, most * h)
+    last = max(steps for _, steps in models)
+    first = min(steps - hidden[id(one)] for one, steps in models)
+    interval = dead_time_interval(first, last, period, skew, is_direct=search.is_direct)
+    earlier = min(steps for _, steps in models) - int(search.is_direct) + skew[0] / h
+    in_steps = max(int(np.floor(earlier)), 0), max(int(np.ceil(interval[1] / h - 1e-9)) - 1, 0)
+    return in_steps, interval
 
 
 def _hidden_share(record: ProcessRecord, fit: ProcessFit) -> float:
-    """The steps before the first coefficient of B in which a response may begin unseen.
-
-    The response of n lags grows as the n-th power of time, and one that is smaller than the
-    deviation of a coefficient does not show.
-    """
-    deviation = float(np.sqrt(max(parameter_covariance(record, fit)[fit.order, fit.order], 0.0)))
-    first = abs(float(fit.B[0]))
-    unseen = NORMAL * deviation
-    return (unseen / first) ** (1 / max(fit.order, 1)) if unseen < first else 1.0
+    """The steps before the first coefficient of B in which a response may begin unseen."""
+    variance = float(parameter_covariance(record, fit)[fit.order, fit.order])
+    return hidden_share(float(fit.B[0]), variance, fit.order)
 
 
 def scalar_model(B: Array, A: Array, delay: int, is_earlier: bool) -> ScalarModel:

@@ -359,6 +359,30 @@ def credible_delays(search: ProcessSearch, fit: ProcessFit) -> list[tuple[Array,
     return [(scan.numerators[0, d], int(d)) for d in sorted(tried)]
 
 
+def hidden_share(first: float, variance: float, order: int) -> float:
+    """The steps before the first coefficient of B in which a response may begin unseen.
+
+    The response of n lags grows as the n-th power of time, and one that is smaller than the
+    deviation of that coefficient, of a variance, does not show.
+    """
+    unseen = NORMAL * float(np.sqrt(max(variance, 0.0)))
+    return (unseen / abs(first)) ** (1 / max(order, 1)) if unseen < abs(first) else 1.0
+
+
+def dead_time_interval(
+    first: float, last: int, period: float | None, skew: tuple[float, float], *, is_direct: bool
+) -> tuple[float, float]:
+    """The interval of a dead time: a response begins at `first` at the earliest, delays to `last`.
+
+    In steps of the record; the result in seconds with a sample time. u(k - 1 - d) is the last one
+    with an effect on y(k), and held for a step: the dead time is from d to d + 1 steps. `skew`: by
+    which u of a row is older than its y. `is_direct`: y was paired with the u of the row after.
+    """
+    h, earlier = period or 1.0, int(is_direct)
+    most = max(last - earlier, 0) + 1 + skew[1] / h  # a feedthrough is within a step
+    return max(first - earlier + skew[0] / h, 0.0) * h, max(most, 0.0) * h
+
+
 def misfit(search: ProcessSearch, fit: ProcessFit, omega: Array) -> tuple[float, Array]:
     """Probability that e is independent of past u, and the response that u leaves in e over G."""
     record, noise = search.record, fit.noise

@@ -12,10 +12,11 @@ from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._blas_threads import one_blas_thread
-from rcac_numeric.arrays._validation import number
+from rcac_numeric.arrays._validation import interval, number
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.identification._joint_evidence import (
     Names,
+    channel_delay_bounds,
     channel_gain_bounds,
     effect_gates,
     effect_of,
@@ -41,7 +42,11 @@ from rcac_numeric.identification._joint_search import JointSearch, bic_differenc
 from rcac_numeric.identification._joint_stability import LIMIT, OPEN_LIMIT, unstable_root
 from rcac_numeric.identification._prediction_error import ODDS, answers, leads
 from rcac_numeric.identification._process import ROUNDS, scalar_model
-from rcac_numeric.identification._process_evidence import Gate, undecided_direction
+from rcac_numeric.identification._process_evidence import (
+    Gate,
+    dead_time_interval,
+    undecided_direction,
+)
 from rcac_numeric.identification._process_search import MANY, WORSE
 from rcac_numeric.identification._scalar_record import ScalarModel
 
@@ -65,6 +70,10 @@ class ProcessMatrix(Value, Truth):
     gain_intervals : tuple of rows of (float, float) or None
         Nominal 95 %, of the gain of each entry, over all credible models. With a pole at 1 of the
         slope of y, per second with a sample time, over those with one.
+    dead_time_intervals : tuple of rows of (float, float) or None
+        Of each entry, over all credible models, widened by `time_skew`: a delay of d steps is a
+        dead time of about d to d + 1 steps, where u moves at the rows. In seconds; in steps
+        without a sample time.
     criteria : tuple of float
         BIC of each output.
     gates : tuple of Gate
@@ -83,6 +92,7 @@ class ProcessMatrix(Value, Truth):
     innovations: tuple[Array, ...]
     residuals: tuple[Array, ...]
     gain_intervals: tuple[tuple[tuple[float, float] | None, ...], ...]
+    dead_time_intervals: tuple[tuple[tuple[float, float] | None, ...], ...]
     criteria: tuple[float, ...]
     gates: tuple[Gate, ...]
     assumptions: tuple[str, ...] = ()
@@ -136,8 +146,8 @@ class ProcessMatrix(Value, Truth):
         for i, row in enumerate(self.entries):
             for j, one in enumerate(row):
                 pair = f"{names.u(j)} to {names.y(i)}"
-                bounds = self.gain_intervals[i][j]
-                if one is None or bounds is None:
+                bounds, late = self.gain_intervals[i][j], self.dead_time_intervals[i][j]
+                if one is None or bounds is None or late is None:
                     rows.append(f"{pair}: no effect")
                     continue
                 gain, interval = self.gain[i, j], f"{bounds[0]:.4g} to {bounds[1]:.4g}"
@@ -145,7 +155,9 @@ class ProcessMatrix(Value, Truth):
                 if np.isinf(gain):
                     unit = "second" if self.sample_time else "step"
                     words = f"a pole at 1, slope {interval} per {unit}"
-                rows.append(f"{pair}: order {one.order}, delay {one.delay}, {words}")
+                unit = "s" if self.sample_time else "steps"
+                dead_time = f"dead time {late[0]:.4g} to {late[1]:.4g} {unit}"
+                rows.append(f"{pair}: order {one.order}, delay {one.delay} ({dead_time}), {words}")
         return "; ".join(rows)
 
 
@@ -339,7 +351,7 @@ def may_respond(record: JointRecord, j: int) -> bool:
 @one_blas_thread()
 def identify_process_matrix(
     u: ArrayLike, y: ArrayLike, *, experiments: Sequence[int] | None = None,
-    sample_time: float | None = None,
+    sample_time: float | None = None, time_skew: Sequence[float] = (0.0, 0.0),
 ) -> ProcessMatrix:  # fmt: skip
     """Identify a plant of several inputs and outputs, over several experiments and gaps.
 
@@ -360,6 +372,10 @@ def identify_process_matrix(
         The number of steps of each experiment, where the rows are of several one after another.
     sample_time : float, optional
         In seconds.
+    time_skew : (float, float)
+        The least and the largest time by which u of a row is older than its y, in seconds, or in
+        steps without a sample time: that of a `ControllerLog`. It widens the intervals of dead
+        times.
 
     Returns
     -------
@@ -398,6 +414,7 @@ def identify_process_matrix(
     period = None if sample_time is None else number(sample_time, "sample_time")
     if period is not None and not period > 0:
         raise InputError(f"sample_time = {period:g} must be positive; give it in seconds.")
+    skew = interval(time_skew, "time_skew")
     gates: list[Gate] = []
     with np.errstate(all="ignore"):
         search = matrix_search(u, y, experiments)
@@ -405,12 +422,13 @@ def identify_process_matrix(
             gates += effect_gates(one, fit, i, search.names)
             gates += gain_gates(one, fit, i, search.names)
             gates += stability_gates(one, fit, i, search.names)
-        return process_matrix(search, search.best, tuple(gates), period)
+        return process_matrix(search, search.best, tuple(gates), period, skew)
 
 
 def process_matrix(
-    search: MatrixSearch, fits: Sequence[JointFit], gates: tuple[Gate, ...], period: float | None
-) -> ProcessMatrix:
+    search: MatrixSearch, fits: Sequence[JointFit], gates: tuple[Gate, ...], period: float | None,
+    time_skew: tuple[float, float] = (0.0, 0.0),
+) -> ProcessMatrix:  # fmt: skip
     """The public model of a fit of each output."""
     entries = tuple(
         tuple(_entry(search, fit, i, j) for j in range(len(search.inputs.u)))
@@ -425,6 +443,9 @@ def process_matrix(
               for one, fit, unit in zip(search.searches, fits, units, strict=True)),
         tuple(tuple(_gain_interval(search, fit, i, j, period) for j in range(len(search.inputs.u)))
               for i, fit in enumerate(fits)),
+        tuple(tuple(_dead_time(search, fit, i, j, period, time_skew)
+                    for j in range(len(search.inputs.u)))
+              for i, fit in enumerate(fits)),
         tuple(fit.bic for fit in fits), gates, search.assumptions, search.is_direct, period,
     )  # fmt: skip
 
@@ -438,6 +459,16 @@ def _gain_interval(
     unit = search.gain_unit(i, j) / (period or 1.0) ** channel.summed
     low, high = channel_gain_bounds(search.searches[i], fit, j)
     return unit * low, unit * high
+
+
+def _dead_time(
+    search: MatrixSearch, fit: JointFit, i: int, j: int, period: float | None,
+    skew: tuple[float, float],
+) -> tuple[float, float] | None:  # fmt: skip
+    if fit.channel(j) is None:
+        return None
+    first, last = channel_delay_bounds(search.searches[i], fit, j)
+    return dead_time_interval(first, last, period, skew, is_direct=search.is_direct)
 
 
 def _entry(search: MatrixSearch, fit: JointFit, i: int, j: int) -> ScalarModel | None:

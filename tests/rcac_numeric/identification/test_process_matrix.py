@@ -454,3 +454,22 @@ def test_the_interval_of_an_entry_with_a_pole_at_1_is_that_of_its_slope():
     assert gain is not None and gain[0] <= 2 <= gain[1]
     assert words[0].endswith(f"a pole at 1, slope {slope[0]:.4g} to {slope[1]:.4g} per second")
     assert words[1].endswith(f"({gain[0]:.4g} to {gain[1]:.4g})")
+
+
+@pytest.mark.costly
+def test_the_intervals_of_dead_times_hold_them_and_grow_by_the_skew():
+    """Of 24 entries fewer than the quantile 1e-3 of 95 %."""
+    count = 0
+    for seed in range(6):
+        u, y = two_by_two(700 + seed, steps=400)
+        model = identify_process_matrix(u, y, sample_time=2.0)
+        for i, row in enumerate(DELAYS):
+            for j, delay in enumerate(row):
+                low, high = model.dead_time_intervals[i][j]
+                count += low <= 2.0 * (delay + 1) and 2.0 * delay <= high
+    later = identify_process_matrix(u, y, sample_time=2.0, time_skew=(-0.5, 1.0))
+    for i, row in enumerate(model.dead_time_intervals):
+        for j, (low, high) in enumerate(row):
+            widened = later.dead_time_intervals[i][j]
+            assert widened == pytest.approx((max(low - 0.5, 0.0), high + 1.0))
+    assert count >= binom.ppf(1e-3, 24, 0.95)
