@@ -18,6 +18,7 @@ from rcac_numeric.identification._box_jenkins import (
     later,
     sinusoids,
 )
+from rcac_numeric.identification._disturbance_parts import student_regression
 from rcac_numeric.identification._process_records import ProcessRecord, is_heavy
 
 LONG, ROUNDING = 40, 1e-10  # lags of a long regression; singular values over the largest
@@ -148,28 +149,16 @@ def robust_starts(record: ProcessRecord, cost: Array) -> list[tuple[ScanStart, A
     for whitener in WHITENERS[:2]:
         scan = _GridScan(record, record.y, record.u, whitener)
         past = np.stack([*(later(scan.u, k) for k in range(1, LONG // 2 + 1)), *scan.levels])
-        e = _student_errors(record, past, scan.y)
+        _, e = student_regression(past, scan.y, record.weights, np.ones(record.steps))
         if not is_heavy(*record.likelihood(e)[:2]):
             continue
         for _ in range(ROBUST_ROUNDS):
             weights = record.weights(e)
             best = scan.best(cost, weights)
-            e = _student_errors(record, scan.columns_of(best[0]), scan.y, weights, 1)
+            columns = scan.columns_of(best[0])
+            _, e = student_regression(columns, scan.y, record.weights, weights, 1)
         starts += [(one, weights, whitener[1]) for one in best]
     return starts
-
-
-def _student_errors(
-    record: ProcessRecord, columns: Array, y: Array, weights: Array | None = None,
-    rounds: int = 8,
-) -> Array:  # fmt: skip
-    """The errors of a regression of y with Student's weights, which follow them."""
-    weights, e = np.ones(len(y)) if weights is None else weights, y
-    for _ in range(rounds):
-        theta = np.linalg.lstsq((columns * weights).T, weights * y, rcond=ROUNDING)[0]
-        e = y - theta @ columns
-        weights = record.weights(e)
-    return e
 
 
 class _GridScan:

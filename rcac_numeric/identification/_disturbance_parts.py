@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from rcac_numeric.arrays._array_types import Array
@@ -19,13 +21,35 @@ def differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]:
     return np.diff(y, prepend=y[0]), np.diff(u, prepend=u[0])
 
 
-def peak_of(v: Array) -> int:
-    """The periods of the peak of a periodogram beside a slope; 0 where it is not high."""
-    k = np.arange(len(v))
+def peak_frequency(v: Array) -> float:
+    """That of the peak of a periodogram beside a slope, in rad/step; 0 where it is not high."""
+    steps = len(v)
+    k = np.arange(steps)
     v = v - np.polyval(np.polyfit(k, v, 1), k)
-    power = np.abs(np.fft.rfft(v * np.hanning(len(v)))) ** 2
+    power = np.abs(np.fft.rfft(v * np.hanning(steps))) ** 2
     at = int(power[2:].argmax()) + 2
-    return at if power[at] >= PEAK * np.median(power[1:]) else 0
+    return 2 * float(np.pi) * at / steps if power[at] >= PEAK * np.median(power[1:]) else 0.0
+
+
+def student_regression(
+    X: Array, y: Array, weights_of: Callable[[Array], Array], weights: Array, rounds: int = 8
+) -> tuple[Array, Array]:
+    """Coefficients and errors of a regression of y on the rows of X, with weights of its errors.
+
+    It begins with the weights given.
+    """
+    theta: Array = np.zeros(len(X))
+    e = y
+    for _ in range(rounds):
+        scaled = X * weights
+        H = scaled @ scaled.T
+        H[np.diag_indices_from(H)] *= 1 + 1e-9
+        theta = np.asarray(
+            np.linalg.solve(H + 1e-300 * np.eye(len(H)), scaled @ (weights * y)), np.float64
+        )
+        e = y - theta @ X
+        weights = weights_of(e)
+    return theta, e
 
 
 def without_outliers(v: Array, differences: int) -> Array:
@@ -47,15 +71,7 @@ def without_level_jumps(record: ProcessRecord) -> Array | None:
     steps = len(y)
     p = min(20, steps // 20)
     X = np.stack([*(later(y, k) for k in range(1, p + 1)), *(later(u, k) for k in range(1, p + 1))])
-    weights = np.ones(steps)
-    e = y
-    for _ in range(8):
-        scaled = X * weights
-        H = scaled @ scaled.T
-        H[np.diag_indices_from(H)] *= 1 + 1e-9
-        a = np.linalg.solve(H + 1e-300 * np.eye(2 * p), scaled @ (weights * y))
-        e = y - a @ X
-        weights = record.weights(e)
+    a, e = student_regression(X, y, record.weights, np.ones(steps))
     size = JUMP * (ROBUST * float(np.median(np.abs(e))) + 1e-12)
     e[:p] = 0.0  # there the past of the record is not known
     response = np.concatenate([ONE, -a[:p]])  # of e to a jump

@@ -25,7 +25,11 @@ from rcac_numeric.identification._delay_scan import (
     delay_scan,
     regression_roots,
 )
-from rcac_numeric.identification._disturbance_parts import MOST_JUMPS, PEAK
+from rcac_numeric.identification._disturbance_parts import (
+    MOST_JUMPS,
+    peak_frequency,
+    student_regression,
+)
 from rcac_numeric.identification._hidden_pairs import (
     CANCELLED,
     RESOLVED,
@@ -470,7 +474,7 @@ class JointSearch:
             for differences in (0, 1):
                 for orders in (RICHER[differences], NOISES[differences]):
                     self.fit(replace(fit.start, noise=noise_start(v, orders)))
-            omega = _peak(v)
+            omega = peak_frequency(v)
             if omega:
                 z = np.exp(1j * omega)
                 C, D = (np.real(np.poly([r * z, r / z])) for r in (NOTCH, RING))
@@ -497,7 +501,7 @@ class JointSearch:
             roots = [np.roots(fit.noise.D), *(np.roots(one.A) for one in fit.channels)]
             poles = np.concatenate(roots) + 0j
             poles = poles[(np.abs(poles) > 1 - resolved / 2) & (poles.imag > resolved)]
-            peak = _peak(joint_disturbance(self.record, fit.channels))
+            peak = peak_frequency(joint_disturbance(self.record, fit.channels))
             for omega in [*np.angle(poles), *([peak] if peak else [])]:
                 if all(abs(omega - other) > 10 * resolved / SAME for other in frequencies):
                     frequencies.append(float(omega))
@@ -610,15 +614,12 @@ def _without_jumps(record: JointRecord) -> Array | None:
         [np.stack([record.later(rows, k) for k in range(1, p + 1)]) for rows in (y, *u)]
     )
     counts = record.observed & (record.later(record.observed.astype(np.float64), 1) > 0)
-    weights, e = counts.astype(np.float64), y
-    for _ in range(8):
-        scaled = X * weights
-        H = scaled @ scaled.T
-        H[np.diag_indices_from(H)] *= 1 + 1e-9
-        a = np.linalg.solve(H + 1e-300 * np.eye(len(H)), scaled @ (weights * y))
-        e = y - a @ X
+
+    def weights_of(e: Array) -> Array:
         scale = record.likelihood(e[counts])[2]
-        weights = counts * np.sqrt((DEGREES + 1) / (DEGREES + (e / scale) ** 2))
+        return np.asarray(counts * np.sqrt((DEGREES + 1) / (DEGREES + (e / scale) ** 2)))
+
+    a, e = student_regression(X, y, weights_of, counts.astype(np.float64))
     size = JUMP * (ROBUST * float(np.median(np.abs(e[counts]))) + 1e-12)
     response = np.concatenate([ONE, -a[:p]])  # of e to a jump
     jumps = np.zeros(record.steps)
@@ -709,16 +710,6 @@ def _unsummed(one: Channel) -> list[Channel]:
         )
         others.append(replace(one, B=B, summed=False))
     return others
-
-
-def _peak(v: Array) -> float:
-    """The frequency of the peak of the periodogram of v in rad/step; 0 if there is none."""
-    steps = len(v)
-    k = np.arange(steps)
-    v = v - np.polyval(np.polyfit(k, v, 1), k)
-    power = np.abs(np.fft.rfft(v * np.hanning(steps))) ** 2
-    at = int(power[2:].argmax()) + 2
-    return 2 * float(np.pi) * at / steps if power[at] >= PEAK * np.median(power[1:]) else 0.0
 
 
 def has_hidden_pair(fit: JointFit, steps: int) -> bool:

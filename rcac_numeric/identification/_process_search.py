@@ -37,7 +37,7 @@ from rcac_numeric.identification._delay_scan import (
 from rcac_numeric.identification._disturbance_parts import (
     differenced,
     joint_innovations,
-    peak_of,
+    peak_frequency,
     without_level_jumps,
     without_outliers,
 )
@@ -62,7 +62,7 @@ SHORT = 5  # iterations of a fit that is compared only
 MOST_ORDER = 4
 FEW = 3  # moves of u: what the disturbance does beside them may be all that is to be seen
 SLOW = 30.0  # abs(1 - pole) times the steps: a pole that may be 1
-SLOWEST = 3  # periods in a record, beside a slope: no peak of a sinusoid
+SLOWEST = 3.5  # periods in a record, beside a slope: no peak of a sinusoid
 RING, NOTCH = 0.9995, 0.9  # moduli of the roots of D and C of a sinusoid
 SAME = 50.0  # of that frequency: sinusoids within it have the same response beside them
 SLOW_WAVE = 0.3  # of that frequency: the slowest sinusoid that is tried in place of a pole
@@ -448,7 +448,6 @@ class ProcessSearch:
 
     def _sinusoids(self) -> None:
         """A narrow D at the peak of the periodogram of what the best models leave."""
-        steps = self.record.steps
         best = self._best(2)
         best += [one for one in self._best(8) if one.order != best[0].order][:1]
         for one in best:
@@ -456,16 +455,16 @@ class ProcessSearch:
                 continue
             A = np.convolve(one.A, [1, -CIRCLE]) if one.summed else one.A
             v = disturbance(self.record, Start(A, one.B, one.delay, one.noise))
-            at = peak_of(v)
-            if not at:
+            omega = peak_frequency(v)
+            if not omega:
                 continue
-            z = np.exp(2j * np.pi * at / steps)
+            z = np.exp(1j * omega)
             D = np.real(np.poly([RING * z, RING / z]))
             C = np.real(np.poly([NOTCH * z, NOTCH / z]))
             fit = self.fit(with_noise(start_of(one), NoiseModel(C, D, 0)))
             if fit is not None:
                 self._moved(fit)
-            self._with_sinusoid(start_of(one), 2 * np.pi * at / steps)
+            self._with_sinusoid(start_of(one), omega)
 
     def _with_sinusoid(self, start: Start, omega: float) -> None:
         """Fits with a sinusoid near a frequency beside the level."""
@@ -605,8 +604,9 @@ class ProcessSearch:
         record, best = self.record, self._best(1)
         if not best or best[0].sinusoid or not best[0].armax:
             return best[0].sinusoid if best else 0.0
-        peaks = {peak_of(v) for v in (record.y, residual_of(record, best[0]))}
-        omegas = [*omegas[:1], *(2 * np.pi * at / record.steps for at in peaks if at > SLOWEST)]
+        peaks = {peak_frequency(v) for v in (record.y, residual_of(record, best[0]))}
+        slowest = SLOWEST * RESOLVED / record.steps
+        omegas = [*omegas[:1], *(one for one in peaks if one > slowest)]
         least, chosen = self._least_of_unstable(()) - ODDS, 0.0
         for omega in omegas:
             value = self._least_of_unstable(sinusoids(omega, record.steps))
