@@ -41,7 +41,7 @@ def simpler_starts(fit: ProcessFit, *, is_known: bool) -> Iterator[Start]:
 
 @dataclass(frozen=True)
 class _Part:
-    """A combination of coefficients that may be 0: where it is in B, C or D."""
+    """A combination of coefficients that may be 0, and its row in terms of all of them."""
 
     name: str
     value: float
@@ -125,10 +125,10 @@ def _with_a_pole_less(start: Start) -> Iterator[Start]:
         distance = np.abs(zeros - pole)
         if distance.min(initial=np.inf) < NEAR:
             near = int(distance.argmin())
-            pair = np.abs(zeros - zeros[near].conj()) < 1e-9
-            left = [zeros[near].real] if zeros[near].imag else []  # of two, a real one
-            pair[near] = True
-            top = np.atleast_1d(np.real(np.poly(np.concatenate([zeros[~pair], left]))))
+            others = np.delete(zeros, near)
+            if zeros[near].imag:  # of a pair a real zero is left
+                others[np.abs(others - zeros[near].conj()).argmin()] = zeros[near].real
+            top = np.atleast_1d(np.real(np.poly(others)))
         elif abs(pole) < QUICK:
             top = start.B / start.B[0]
         else:
