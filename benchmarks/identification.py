@@ -40,6 +40,7 @@ from scipy.stats import beta
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import ControllerLog
+from rcac_numeric.compiled._box_jenkins import confined
 from rcac_numeric.designing._design import _basis_of_log, _DesignOptions
 from rcac_numeric.identification import (
     identify_in_closed_loop,
@@ -48,7 +49,6 @@ from rcac_numeric.identification import (
 )
 from rcac_numeric.identification._box_jenkins import (
     Start,
-    confined,
     disturbance,
     fitted,
     later,

@@ -22,14 +22,17 @@ struct BoxJenkinsRecord {
     std::size_t n, m, n_C, n_D;   // coefficients of A, B, C and D
     bool differences, armax, sinusoid;
     double dependent;  // of the norm of a free row: what the others leave of it is rounding
+
+    std::size_t coefficients() const { return n + m + n_C + n_D + sinusoid; }
 };
 
 // The errors at coefficients of A, B, C, D (and a frequency), with levels, sinusoid and initial
 // state projected out (Golub and Pereyra).
 class BoxJenkinsErrors {
 public:
-    BoxJenkinsErrors(BoxJenkinsRecord record, std::vector<double> theta)
-        : record_(std::move(record)), theta_(std::move(theta)), steps_(record_.y.size()) {
+    BoxJenkinsErrors(std::shared_ptr<const BoxJenkinsRecord> record, std::vector<double> theta)
+        : shared_(std::move(record)), record_(*shared_), theta_(std::move(theta)),
+          steps_(record_.y.size()) {
         const std::size_t n = record_.n, m = record_.m, n_C = record_.n_C, n_D = record_.n_D;
         A_ = polynomial(1.0, 0, n);
         const std::vector<double> B = polynomial(0.0, n, m), D = polynomial(1.0, n + m + n_C, n_D);
@@ -60,6 +63,7 @@ public:
     bool is_finite() const { return is_finite_; }
     const std::vector<double>& theta() const { return theta_; }
     const std::vector<double>& e() const { return e_; }
+    double square() const { return dot(e_.data(), e_.data(), steps_); }
 
     // What plant, levels, initial state and, where `waves` is set, the sinusoid leave of y.
     std::vector<double> remainder(bool waves) const {
@@ -189,7 +193,8 @@ private:
             for (std::size_t k = 0; k < steps_; ++k) rows[i * steps_ + k] *= record_.weights[k];
     }
 
-    BoxJenkinsRecord record_;
+    std::shared_ptr<const BoxJenkinsRecord> shared_;
+    const BoxJenkinsRecord& record_;
     std::vector<double> theta_;
     std::size_t steps_, levels_ = 0, fixed_ = 0;
     std::vector<double> A_, C_, whitener_, x_;

@@ -217,6 +217,27 @@ def box_jenkins_errors(
 ) -> BoxJenkinsErrors | None:
     """None where the errors leave float64; an empty array of weights is that of ones."""
 
+def least_box_jenkins_errors(
+    *,
+    y: Array,
+    u: Array,
+    levels: Array,
+    weights: Array,
+    theta: Array,
+    orders: Sequence[int],
+    differences: bool,
+    armax: bool,
+    sinusoid: bool,
+    dependent: float,
+    kept: int,
+    iterations: int,
+    widths: int,
+    decrease: float,
+    settled: float,
+    circle: float,
+    of_C: float,
+) -> tuple[BoxJenkinsErrors, Array] | None: ...
+def confined_roots(A: Array, radius: float) -> Array: ...
 def errors_with_gaps(
     *, signals: Array, whitener: Array, C: Array, observed: Array
 ) -> tuple[Array, float]: ...

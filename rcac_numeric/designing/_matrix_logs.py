@@ -13,6 +13,7 @@ from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.checks._logs import ControllerLog
+from rcac_numeric.compiled._box_jenkins import confined
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.designing._log_gates import LOW as BELOW
 from rcac_numeric.designing._log_gates import ROBUST as MOST_PEAK
@@ -26,7 +27,7 @@ from rcac_numeric.designing._plants import (
     checked_plant,
 )
 from rcac_numeric.designing._reference import loop_radius
-from rcac_numeric.identification._box_jenkins import CIRCLE, confined
+from rcac_numeric.identification._box_jenkins import CIRCLE
 from rcac_numeric.identification._joint_evidence import (
     channel_delays,
     effect_gates,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,14 @@ from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.compiled._box_jenkins import BoxJenkinsErrors, box_jenkins_errors
+from rcac_numeric.compiled._box_jenkins import (
+    BoxJenkinsErrors,
+    BoxJenkinsStructure,
+    box_jenkins_errors,
+    confined,
+    least_box_jenkins_errors,
+)
+from rcac_numeric.identification._least_squares import DECREASE, SETTLED, WIDTHS
 from rcac_numeric.identification._process_records import ProcessRecord, is_heavy
 
 CIRCLE, OF_C = 0.99999, 0.995  # largest modulus of a pole of the plant or of D, and of a root of C
@@ -21,11 +27,8 @@ DIFFERENCE = np.array([1.0, -1.0])
 ONE = np.ones(1)
 UNSTABLE = 1.001  # modulus of a pole from which a model counts as unstable
 ITERATIONS = 25
-DECREASE = 1e-2  # of N log(sum of squares): below it an iteration has settled
-SETTLED = 0.1  # of DECREASE: a predicted decrease below it is not tried
 DEPENDENT = 1e-9  # of a column's norm: the rest of it is rounding
 VISIBLE = 1e-12  # of the squares of the errors: what a u before the record makes of them
-WIDTHS = 6  # damping factors that are tried in an iteration
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,37 +181,6 @@ def later(signal: Array, steps: int) -> Array:
     return moved
 
 
-def confined(A: Array, radius: float) -> Array:
-    """A with its roots outside a circle reflected into it, or pulled onto it."""
-    n = len(A) - 1
-    if n == 0 or (n == 1 and abs(A[1]) <= radius) or _is_within(A, radius):
-        return A
-    if not np.isfinite(A).all():
-        return A
-    roots = -A[1:] if n == 1 else np.roots(A)
-    size = np.abs(roots)
-    if not (size > radius).any():
-        return A
-    size = np.where(size > 0, size, 1.0)
-    roots = np.where(
-        size > 1 / radius, 1 / np.conj(np.where(size > 1 / radius, roots, 1.0)),
-        np.where(size > radius, roots / size * radius, roots),
-    )  # fmt: skip
-    return np.concatenate([ONE, np.real(np.poly(roots))[1:]])
-
-
-def _is_within(A: Array, radius: float) -> bool:
-    """Whether all roots are inside a circle: the reflection coefficients of Schur and Cohn."""
-    a = [one / radius**k for k, one in enumerate(A.tolist())]
-    for n in range(len(a) - 1, 0, -1):
-        last = a[n]
-        if not abs(last) < 1:
-            return False
-        left = 1 - last * last
-        a = [(a[k] - last * a[n - k]) / left for k in range(n)]
-    return True
-
-
 class _Errors:
     """The prediction errors of one structure as a function of its coefficients."""
 
@@ -239,21 +211,29 @@ class _Errors:
             NoiseModel(C, D, self.differences),
         )
 
-    def confined(self, theta: Array) -> Array:
-        """The coefficients with stable filters, and a frequency below the Nyquist frequency."""
-        A, B, noise = self.split(theta)
-        n_all = self.n + self.m + self.n_C + self.n_D
-        A = A if self.start.armax else confined(A, CIRCLE)
-        C, D = confined(noise.C, OF_C), confined(noise.D, CIRCLE)
-        frequency = np.abs((theta[n_all:] + np.pi) % (2 * np.pi) - np.pi)  # the alias in [0, pi]
-        return np.concatenate([A[1:], B, C[1:], D[1:], frequency])
+    @property
+    def structure(self) -> BoxJenkinsStructure:
+        """The record and the orders, as the kernel reads them."""
+        return BoxJenkinsStructure(
+            self.y, self.u, self.levels, self.weights, (self.n, self.m, self.n_C, self.n_D),
+            bool(self.differences), self.start.armax, self.start.sinusoid > 0, DEPENDENT,
+        )  # fmt: skip
 
     def at(self, theta: Array) -> BoxJenkinsErrors | None:
         """The errors there; None where they leave float64."""
-        return box_jenkins_errors(
-            self.y, self.u, self.levels, self.weights, theta,
-            (self.n, self.m, self.n_C, self.n_D), differences=bool(self.differences),
-            armax=self.start.armax, sinusoid=self.start.sinusoid > 0, dependent=DEPENDENT,
+        return box_jenkins_errors(self.structure, theta)
+
+    def minimised(
+        self, theta: Array, iterations: int, kept: int = 0
+    ) -> tuple[BoxJenkinsErrors, Array] | None:
+        """The point of least errors from some coefficients, and its derivatives; None if it fails.
+
+        By Levenberg and Marquardt; the first `kept` coefficients are kept. All filters are stable
+        there, and a frequency is below the Nyquist frequency.
+        """
+        return least_box_jenkins_errors(
+            self.structure, theta, kept=kept, iterations=iterations, widths=WIDTHS,
+            decrease=DECREASE, settled=SETTLED, circle=CIRCLE, of_C=OF_C,
         )  # fmt: skip
 
 
@@ -267,90 +247,9 @@ def fitted(
     gradient).
     """
     errors = _Errors(record, start, weights)
-    plant = errors.n + errors.m if is_plant_fixed else 0
-    least = minimised(errors, start.coefficients, record.steps, iterations, plant)
+    kept = errors.n + errors.m if is_plant_fixed else 0
+    least = errors.minimised(start.coefficients, iterations, kept)
     return None if least is None else _evaluated(record, errors, *least)
-
-
-class ErrorPoint(Protocol):
-    """Prediction errors at some coefficients."""
-
-    @property
-    def theta(self) -> Array:
-        """The coefficients."""
-
-    @property
-    def e(self) -> Array:
-        """The errors."""
-
-    @property
-    def square(self) -> float:
-        """The sum of their squares."""
-
-    def jacobian(self) -> Array | None:
-        """The derivatives of e; None where they leave float64."""
-
-
-P = TypeVar("P", bound=ErrorPoint)
-P_co = TypeVar("P_co", bound=ErrorPoint, covariant=True)
-
-
-class ErrorFunction(Protocol[P_co]):
-    """Prediction errors as a function of coefficients."""
-
-    def at(self, theta: Array) -> P_co | None:
-        """The errors there; None where they leave float64."""
-
-    def confined(self, theta: Array) -> Array:
-        """The coefficients with stable filters."""
-
-
-def minimised(
-    errors: ErrorFunction[P], theta: Array, steps: int, iterations: int, plant: int = 0
-) -> tuple[P, Array] | None:
-    """The point of least errors from some coefficients, and its derivatives; None if it fails.
-
-    By Levenberg and Marquardt; the first `plant` coefficients are kept.
-    """
-    point = errors.at(errors.confined(theta))
-    J = None if point is None else point.jacobian()
-    if point is None or J is None:
-        return None
-    damping = 1e-3
-    for _ in range(iterations):
-        H, slope = J @ J.T, J @ point.e
-        size = np.sqrt(np.diag(H))
-        size[size == 0] = 1.0
-        H, slope = H / size / size[:, None], slope / size
-        if plant:
-            H[:plant], H[:, :plant], slope[:plant] = 0.0, 0.0, 0.0
-            H[:plant, :plant] = np.eye(plant)
-        has_settled, better = False, None
-        for _ in range(WIDTHS):
-            try:
-                step = -np.linalg.solve(H + damping * np.eye(len(H)), slope)
-            except np.linalg.LinAlgError:
-                damping = 10 * damping
-                continue
-            gain = -(2 * slope + H @ step) @ step  # of the sum of squares, to first order
-            if steps * gain < SETTLED * DECREASE * point.square:
-                break
-            step = step / size
-            trial = errors.at(errors.confined(point.theta + step))
-            if trial is not None and trial.square < point.square:
-                has_settled = steps * (1 - trial.square / point.square) < DECREASE
-                better, damping = trial, max(damping / 5, 1e-9)
-                break
-            damping = max(6 * damping, 1e-6)
-        if better is None:
-            break
-        new = better.jacobian()
-        if new is None:
-            break
-        point, J = better, new
-        if has_settled:
-            break
-    return point, J
 
 
 def _evaluated(

@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.compiled._box_jenkins import confined
 from rcac_numeric.compiled._gaps import errors_with_gaps
 from rcac_numeric.identification._box_jenkins import (
     CIRCLE,
@@ -21,12 +22,11 @@ from rcac_numeric.identification._box_jenkins import (
     ONE,
     VISIBLE,
     NoiseModel,
-    confined,
-    minimised,
     response_of,
     sinusoids,
 )
 from rcac_numeric.identification._joint_records import JointRecord
+from rcac_numeric.identification._least_squares import minimised
 from rcac_numeric.identification._prediction_error import ODDS
 from rcac_numeric.identification._process_records import DEGREES, is_heavy
 from rcac_numeric.identification._process_search import FEW

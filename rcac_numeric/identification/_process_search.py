@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.compiled._box_jenkins import confined
 from rcac_numeric.identification._box_jenkins import (
     CIRCLE,
     ONE,
     NoiseModel,
     ProcessFit,
     Start,
-    confined,
     disturbance,
     fitted,
     later,

@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 from scipy.signal import fftconvolve, lfilter
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.compiled._box_jenkins import confined
 from rcac_numeric.identification._box_jenkins import (
     CIRCLE,
     DEPENDENT,
@@ -18,7 +19,6 @@ from rcac_numeric.identification._box_jenkins import (
     OF_C,
     ONE,
     NoiseModel,
-    confined,
     later,
     noise_start,
 )

@@ -192,6 +192,17 @@ def box_jenkins_arguments(draw):
     }  # fmt: skip
 
 
+def least_errors_arguments(draw):
+    """The same, how to minimise them, and up to all coefficients kept."""
+    arguments = box_jenkins_arguments(draw)
+    return {
+        **arguments, "kept": draw(st.integers(0, len(arguments["theta"]))),
+        "iterations": draw(st.integers(0, 4)), "widths": draw(st.integers(0, 6)),
+        "decrease": 1e-2, "settled": draw(st.sampled_from([0.0, 0.1])), "circle": 0.99999,
+        "of_C": 0.995,
+    }  # fmt: skip
+
+
 FUNCTIONS = {
     "arx": arx,
     "mu_markov": lambda draw: {
@@ -199,6 +210,11 @@ FUNCTIONS = {
     },
     "instruction_sets": lambda draw: {},
     "box_jenkins_errors": box_jenkins_arguments,
+    "least_box_jenkins_errors": least_errors_arguments,
+    "confined_roots": lambda draw: {
+        "A": np.concatenate([[1.0], some(draw, draw(st.integers(0, 6)))]),
+        "radius": draw(st.sampled_from([0.9, 1.0])),
+    },
     "errors_with_gaps": lambda draw: {
         "signals": some(draw, 2, 6), "whitener": np.array([1.0, -0.5]),
         "C": np.array([1.0, 0.3, 0.1]), "observed": np.array([1.0, 1, 0, 1, 0, 1]),

@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from rcac_numeric.identification._box_jenkins import NoiseModel, Start, _Errors
+from rcac_numeric.compiled._box_jenkins import confined
+from rcac_numeric.identification._box_jenkins import CIRCLE, OF_C, NoiseModel, Start, _Errors
+from rcac_numeric.identification._least_squares import minimised
 from rcac_numeric.identification._process_records import process_record
 from tests.support.strategies import seeds
 
@@ -155,3 +157,83 @@ def test_errors_beyond_float64_are_none():
     }, weighted=False)  # fmt: skip
     theta = np.array([-1e3, 1.0, 0.1])
     assert _Errors(record, start, None).at(theta) is None
+
+
+class OfPython:
+    """The same errors for the loop in Python, their roots and frequency confined by NumPy."""
+
+    def __init__(self, errors):
+        self.errors, self.at = errors, errors.at
+
+    def confined(self, theta):
+        A, B, noise = self.errors.split(theta)
+        A = A if self.errors.start.armax else with_roots_within(A, CIRCLE)
+        C, D = with_roots_within(noise.C, OF_C), with_roots_within(noise.D, CIRCLE)
+        rest = theta[len(A) + len(B) + len(C) + len(D) - 3 :]
+        frequency = np.abs(np.angle(np.exp(1j * rest)))
+        return np.concatenate([A[1:], B, C[1:], D[1:], frequency])
+
+
+def with_roots_within(A, radius):
+    roots = np.roots(A)
+    size = np.abs(roots)
+    outside, beyond = size > radius, size > 1 / radius
+    if not outside.any():
+        return A
+    roots[outside] *= radius / size[outside]
+    roots[beyond] /= radius * size[beyond]
+    return polynomial(roots)
+
+
+@given(
+    seed=seeds, structure=structures, weighted=st.booleans(), iterations=st.integers(0, 12),
+    is_kept=st.booleans(), spread=st.sampled_from([0.0, 0.1, 1.0]),
+)  # fmt: skip
+def test_the_least_errors_are_those_of_the_loop_in_python(
+    seed, structure, weighted, iterations, is_kept, spread
+):
+    """Of starts inside and outside the circles; a step of rounding may turn where many are flat."""
+    record, start, weights = case(seed, structure, weighted)
+    errors = _Errors(record, start, weights)
+    rng = np.random.default_rng(seed + 1)
+    theta = start.coefficients + spread * rng.standard_normal(len(start.coefficients))
+    kept = errors.n + errors.m if is_kept else 0
+    point, J = errors.minimised(theta, iterations, kept)
+    other, of_other = minimised(OfPython(errors), theta, STEPS, iterations, kept)
+    first = OfPython(errors).confined(theta)
+    assert point.theta[:kept] == pytest.approx(first[:kept], rel=1e-9, abs=1e-9)
+    assert np.array_equal(J, point.jacobian())
+    assert point.square <= errors.at(first).square * (1 + 1e-9)
+    size = np.linalg.norm(of_other, axis=1)
+    if len(size) and np.linalg.cond(of_other / np.where(size > 0, size, 1.0)[:, None]) > 1e3:
+        return
+    assert point.square == pytest.approx(other.square, rel=1e-6)
+    assert point.theta == pytest.approx(other.theta, rel=1e-5, abs=1e-5)
+    assert point.e == pytest.approx(other.e, rel=0, abs=1e-5 * np.abs(other.e).max())
+
+
+def test_a_start_beyond_float64_has_no_least_errors():
+    record, start, _ = case(0, {
+        "n": 1, "m": 1, "n_C": 0, "n_D": 0, "differences": 0, "delay": 0, "summed": False,
+        "slope": False, "armax": True, "sinusoid": 0.0, "jump": 0,
+    }, weighted=False)  # fmt: skip
+    errors = _Errors(record, start, None)
+    assert errors.minimised(np.array([0.1, np.nan]), 5) is None
+    assert errors.minimised(np.array([1e308, 1e308]), 5) is None
+
+
+@given(st.lists(st.floats(-3, 3), min_size=0, max_size=5), st.sampled_from([0.98, 0.995, 1.0]))
+def test_confined_roots_are_those_of_numpy(a, radius):
+    A = np.r_[1.0, a]
+    within, other = confined(A, radius), with_roots_within(A, radius)
+    # Of equal roots both are off by the root of rounding, their polynomials by less.
+    assert within == pytest.approx(other, rel=0, abs=1e-5 * np.abs(A).max())
+    if not (np.abs(np.roots(A)) > radius - 1e-9).any():
+        assert np.array_equal(within, A)
+
+
+def test_what_is_not_finite_is_not_confined():
+    for bad in (np.nan, np.inf, -np.inf):
+        assert np.array_equal(
+            confined(np.array([1.0, bad, 0.2]), 0.9), [1, bad, 0.2], equal_nan=True
+        )

@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError, UndecidedError
 from rcac_numeric import Compensator
+from rcac_numeric.compiled._box_jenkins import confined
 from rcac_numeric.designing._log_gates import GateLoop, rivals_gate, rivals_of
 from rcac_numeric.identification import identify_process
 from rcac_numeric.identification._box_jenkins import (
@@ -19,7 +20,6 @@ from rcac_numeric.identification._box_jenkins import (
     ProcessFit,
     Start,
     _is_within,
-    confined,
     fitted,
     start_of,
     value_before,
