@@ -13,7 +13,7 @@ from rcac_numeric.compiled._kernel import BoxJenkinsErrors
 
 __all__ = [
     "BoxJenkinsErrors", "BoxJenkinsStructure", "box_jenkins_errors", "confined",
-    "least_box_jenkins_errors",
+    "least_box_jenkins_errors", "student_scale",
 ]  # fmt: skip
 
 
@@ -91,3 +91,11 @@ def confined(A: Array, radius: float) -> Array:
     Those outside the circle but within the reciprocal of its radius are pulled onto it.
     """
     return _kernel.confined_roots(_contiguous(A), radius)
+
+
+def student_scale(e: Array, degrees: float, least: float, passes: int) -> float:
+    """The scale of Student's t of some degrees that errors show, not below the least one.
+
+    By passes of reweighted squares from their median.
+    """
+    return _kernel.student_scale(_contiguous(e), degrees, least, passes)

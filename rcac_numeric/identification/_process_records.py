@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -14,6 +13,7 @@ from scipy.special import gammaln, log_ndtr
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.compiled._box_jenkins import student_scale
 from rcac_numeric.identification._scalar_record import scalar_signal
 
 LEAST = 30  # steps of a record
@@ -23,6 +23,7 @@ SPAN = 5  # rows, of which the median is no spike: one or two values
 SPIKES = 0.02  # of the steps: more of them are no accidents
 JUMP = 6.0  # robust standard deviations of a difference: a jump of the level
 DEGREES = 4.0  # of Student's t
+PASSES = 12  # of reweighted squares, for its scale
 HEAVY = 0.02  # of -2 log likelihood a step, by which that is the better
 ROBUST = 1.4826  # standard deviations of a Gaussian in a median of absolute values
 QUANTUM_SD = 12**-0.5  # standard deviation of rounding, in quanta
@@ -136,10 +137,7 @@ def likelihood_of(e: Array, quantum: float) -> tuple[float, float, float]:
     """
     squares, floor = e * e, quantum * QUANTUM_SD
     mean = float(np.mean(squares))
-    scale = max(float(np.sqrt(np.median(squares))), floor, 1e-150)
-    for _ in range(12):
-        weights = (DEGREES + 1) / (DEGREES + squares / scale**2)
-        scale = max(math.sqrt(np.add.reduce(weights * squares) / len(e)), floor, 1e-150)
+    scale = student_scale(e, DEGREES, max(floor, 1e-150), PASSES)
     if quantum:
         size = np.abs(e)
         return _of_cells(size, quantum, _gauss), _of_cells(size, quantum, _student), scale

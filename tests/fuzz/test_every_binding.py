@@ -59,7 +59,7 @@ def use(draw, obj):
         for one in obj:
             use(draw, one)
         return
-    if isinstance(obj, np.ndarray):
+    if isinstance(obj, np.ndarray | float):
         return
     name = type(obj).__name__
     for _ in range(draw(st.integers(1, 6))):

@@ -211,6 +211,10 @@ FUNCTIONS = {
     "instruction_sets": lambda draw: {},
     "box_jenkins_errors": box_jenkins_arguments,
     "least_box_jenkins_errors": least_errors_arguments,
+    "student_scale": lambda draw: {
+        "e": some(draw, draw(st.integers(1, 9))), "degrees": 4.0, "least": 1e-3,
+        "passes": draw(st.integers(0, 12)),
+    },
     "confined_roots": lambda draw: {
         "A": np.concatenate([[1.0], some(draw, draw(st.integers(0, 6)))]),
         "radius": draw(st.sampled_from([0.9, 1.0])),

@@ -3,6 +3,7 @@
 #include "bindings/numpy_arrays.hpp"
 #include "identification/box_jenkins.hpp"
 #include "identification/least_errors.hpp"
+#include "identification/student_scale.hpp"
 
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -83,6 +84,14 @@ nb::ndarray<nb::numpy, double> confined_roots(const Array& A, double radius) {
     return to_numpy(confined(copied(A, A.size(), "A"), radius), {A.size()});
 }
 
+double scale_of_student(const Array& e, double degrees, double least, std::size_t passes) {
+    require_range<std::size_t>(e.size(), 1, most_numbers, "the number of errors");
+    refuse_unless(degrees > 0.0, "degrees are not positive");
+    refuse_unless(least > 0.0, "the least scale is not positive");
+    require_range<std::size_t>(passes, 0, 1000, "the number of passes");
+    return student_scale(e.data(), e.size(), degrees, least, passes);
+}
+
 }  // namespace
 
 void bind_box_jenkins(nb::module_& m) {
@@ -119,6 +128,8 @@ void bind_box_jenkins(nb::module_& m) {
           nb::arg("orders"), nb::arg("differences"), nb::arg("armax"), nb::arg("sinusoid"),
           nb::arg("dependent"), nb::arg("kept"), nb::arg("iterations"), nb::arg("widths"),
           nb::arg("decrease"), nb::arg("settled"), nb::arg("circle"), nb::arg("of_C"));
+    m.def("student_scale", &scale_of_student, nb::arg("e"), nb::arg("degrees"), nb::arg("least"),
+          nb::arg("passes"));
     m.def("confined_roots", &confined_roots, nb::arg("A"), nb::arg("radius"));
 }
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from rcac_numeric.compiled._box_jenkins import confined
+from rcac_numeric.compiled._box_jenkins import confined, student_scale
 from rcac_numeric.identification._box_jenkins import CIRCLE, OF_C, NoiseModel, Start, _Errors
 from rcac_numeric.identification._least_squares import minimised
 from rcac_numeric.identification._process_records import process_record
@@ -237,3 +237,19 @@ def test_what_is_not_finite_is_not_confined():
         assert np.array_equal(
             confined(np.array([1.0, bad, 0.2]), 0.9), [1, bad, 0.2], equal_nan=True
         )
+
+
+@given(seed=seeds, steps=st.integers(1, 60), degrees=st.sampled_from([3.0, 4.0]),
+       passes=st.integers(0, 12), least=st.sampled_from([1e-150, 1.0]))  # fmt: skip
+def test_the_scale_of_student_is_that_of_reweighted_squares(seed, steps, degrees, passes, least):
+    e = np.random.default_rng(seed).standard_t(3, steps)
+    scale = max(np.sqrt(np.median(e**2)), least)
+    for _ in range(passes):
+        weights = (degrees + 1) / (degrees + (e / scale) ** 2)
+        scale = max(np.sqrt(np.mean(weights * e**2)), least)
+    assert student_scale(e, degrees, least, passes) == pytest.approx(scale, rel=1e-12)
+
+
+def test_errors_that_are_no_numbers_have_no_scale_of_student():
+    assert np.isnan(student_scale(np.array([1.0, np.nan, 2.0]), 4.0, 1e-150, 12))
+    assert student_scale(np.zeros(5), 4.0, 1e-150, 12) == 1e-150
