@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import block_diag
 from sympy import Matrix, Symbol
 
 import compensator_theory as exact
@@ -21,6 +22,8 @@ from rcac_numeric.controllers._compensator import Compensator
 # Residual below which smaller coefficients are preferred; residual above which a difference
 # equation is refused.
 GOOD, ACCEPTED = 1e-11, 1e-9
+FURTHER = 2  # steps beyond the shortest difference equation, where its poles are free
+CANCELLED = 0.99  # modulus of a pole that cancels
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,16 +39,19 @@ class ConversionCertificate(Result):
         Largest distance of the two responses there, relative to the response at the point, or to
         1e-6 of the largest where it is smaller than that.
     pole_residual : float
-        Largest relative distance of det D_c to det(qI - A_c) there: no mode was added but poles
-        at 0.
+        Largest relative distance of det D_c to det(qI - A_c) times the factors of the poles that
+        cancel, there: no other mode was added but poles at 0.
     left_out : int
         Number of modes of A_c that are unobservable in u and absent from the difference equation.
+    cancelled : float
+        Largest modulus of the poles of D_c that cancel; 0 where they are at 0.
     """
 
     points: ComplexArray
     residual: float
     pole_residual: float
     left_out: int
+    cancelled: float = 0.0
 
     @property
     def worst(self) -> float:
@@ -61,7 +67,9 @@ def compensator_from_state_space(
     With one output D_c(q) = det(qI - A_c), computed exactly and rounded once. With several, a
     deadbeat observer of the state reads all of them, some, or combinations: of those that
     reproduce the response, the one with the smallest coefficients is taken. What (2.28) has more
-    states than A_c are poles at 0, and modes of A_c that u does not show are left out.
+    states than A_c are poles at 0, and modes of A_c that u does not show are left out. Where its
+    coefficients are too large for float64, as of a controller with many steps of dead time, those
+    of least norm are taken: their further poles are inside the circle, and cancel.
 
     Parameters
     ----------
@@ -111,6 +119,18 @@ def converted(
         best = _best(parts, points, (response, scale))
         if best is not None and best[1].worst <= accepted:
             return best
+    for scale in scales if len(parts[2]) > 1 else ():
+        for equation, basis, further in _of_least_norm(parts):
+            both = block_diag(basis.T @ parts[0] @ basis, further)
+            certificate = ConversionCertificate(
+                points, *_residuals(equation, both, points, (response, scale)),
+                len(basis) - basis.shape[1],
+                float(np.abs(np.linalg.eigvals(further)).max(initial=0.0)),
+            )  # fmt: skip
+            if best is None or certificate.worst < best[1].worst:
+                best = Compensator(*equation), certificate
+            if certificate.worst <= accepted:
+                return Compensator(*equation), certificate
     reached = "none is finite" if best is None else f"the best is off by {best[1].worst:.1e}"
     raise IllConditionedError(
         "no difference equation (2.28) with float64 coefficients reproduces this compensator of "
@@ -260,6 +280,49 @@ def difference_equations(
                 Q.append(row @ (inputs - gain @ D))
                 row = row @ nilpotent
             yield (np.array(P), np.array(Q)), basis
+
+
+def _of_least_norm(parts: StateSpace) -> Iterator[tuple[Coefficients, Array, Array]]:
+    """Yield coefficients (P, Q) of (2.28) of least norm, a basis of the retained states, and M_0.
+
+    From x(k-s), without y, [u(k-1); ...; u(k-s)] = O x(k-s) and u(k) = C A^s x(k-s) = P O x(k-s).
+    The P of least norm needs neither a small pivot nor modes that hardly show in u, as a deadbeat
+    observer does; Q follows from the impulse response. The companion matrix M of P maps the image
+    of O to itself, where it has the poles of A; M_0 is M on the complement, whose poles cancel.
+    They are inside the circle where s is large enough.
+
+    Source: R. Kumaresan, IEEE Transactions on Acoustics, Speech, and Signal Processing 31 (1983)
+    217-220, of the zeros of prediction-error filters of least norm.
+    """
+    A, B, C, D = parts
+    n, m = len(A), len(C)
+    sizes = np.linalg.norm(C, axis=1)
+    sizes = np.where(sizes > 0, sizes, 1.0)
+    shortest = -(-n // m)
+    rows = [C]
+    while len(rows) <= shortest + FURTHER:
+        rows.append(rows[-1] @ A)
+    impulse = [D, *(row @ B for row in rows)]
+    for steps in range(shortest, shortest + FURTHER + 1):
+        past = np.vstack([row / sizes[:, None] for row in reversed(rows[:steps])])
+        target = rows[steps] / sizes[:, None]
+        if not (np.isfinite(past).all() and np.isfinite(target).all()):
+            return
+        left, values, right = np.linalg.svd(past)
+        ranks = {int((values > tolerance * values[0]).sum()) for tolerance in TOLERANCES}
+        for rank in sorted(ranks, reverse=True):
+            basis, rest = right[:rank].T, left[:, rank:]
+            scaled = target @ basis / values[:rank] @ left[:, :rank].T
+            companion = np.vstack([scaled, np.eye((steps - 1) * m, steps * m)])
+            further = rest.T @ companion @ rest
+            if not np.abs(np.linalg.eigvals(further)).max(initial=0.0) < CANCELLED:
+                continue
+            P = [one * sizes[:, None] / sizes for one in np.split(scaled, steps, axis=1)]
+            Q = [
+                impulse[k] - sum((P[i - 1] @ impulse[k - i] for i in range(1, k + 1)), 0.0 * D)
+                for k in range(steps + 1)
+            ]
+            yield (np.array(P), np.array(Q)), basis, further
 
 
 def deadbeat_gain(A: Array, C: Array, tolerance: float) -> tuple[Array, Array, int]:

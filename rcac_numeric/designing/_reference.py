@@ -242,6 +242,8 @@ class WeightGrid:
         within a tenth of the least. Otherwise the one within it whose u moves least comes first:
         linear theory does not cover the limits.
         """
+        if not compensators:
+            return []
         m = self.plant.m
         runs = self._runs(compensators)
         errors, moves = np.full((2, len(runs)), np.inf)

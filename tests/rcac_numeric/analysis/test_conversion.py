@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, IllConditionedError
 from rcac_numeric import Plant, compensator_from_state_space, lqg_controller
-from rcac_numeric.analysis._conversion import converted, deadbeat_gain
+from rcac_numeric.analysis._conversion import CANCELLED, _of_least_norm, converted, deadbeat_gain
+from rcac_numeric.controllers._compensator import Compensator
 from tests.support.delayed_plants import delayed_plant
 from tests.support.strategies import seeds
 
@@ -98,6 +99,7 @@ def test_the_certificate_sees_a_wrong_difference_equation(monkeypatch):
         yield (np.zeros((1, 2, 2)), np.ones((2, 2, 1))), np.eye(2)
 
     monkeypatch.setattr("rcac_numeric.analysis._conversion.difference_equations", wrong)
+    monkeypatch.setattr("rcac_numeric.analysis._conversion._of_least_norm", lambda parts: ())
     with pytest.raises(IllConditionedError, match="reproduces this compensator of order 2"):
         converted(parts)
 
@@ -112,8 +114,40 @@ def test_an_error_is_seen_where_the_response_is_small(monkeypatch):
         yield (np.zeros((2, 2, 2)), np.stack([D + 3e-10, middle * D, D])), np.eye(2)
 
     monkeypatch.setattr("rcac_numeric.analysis._conversion.difference_equations", wrong)
+    monkeypatch.setattr("rcac_numeric.analysis._conversion._of_least_norm", lambda parts: ())
     with pytest.raises(IllConditionedError, match="reproduces this compensator of order 2"):
         converted(parts)
+
+
+@given(seeds, st.integers(2, 8), st.integers(2, 3), st.integers(0, 1))
+def test_an_equation_of_least_norm_has_the_poles_and_others_that_cancel(seed, n, outputs, hidden):
+    """det D_c against numpy's eigenvalues; a mode that u does not show is left out."""
+    rng = np.random.default_rng(seed)
+    A = np.diag(rng.uniform(0.5, 0.99, n + hidden)) + np.triu(
+        rng.standard_normal((n + hidden,) * 2), 1
+    )
+    A[:n, n:] = 0.0
+    B, C = rng.standard_normal((n + hidden, 2)), rng.standard_normal((outputs, n + hidden))
+    C[:, n:] = 0.0
+    parts = A, B, C, rng.standard_normal((outputs, 2))
+    expected = response(parts)
+    for equation, basis, further in _of_least_norm(parts):
+        rank, steps = basis.shape[1], len(equation[0])
+        if rank < n or np.linalg.cond(C) > 1e3:
+            continue  # another rank of a record that float64 does not tell
+        assert rank == n and len(further) == steps * outputs - n
+        result = Compensator(*equation).state_space()
+        size = np.linalg.norm(expected, axis=(1, 2))
+        assert np.linalg.norm(response(result) - expected, axis=(1, 2)) == pytest.approx(
+            0.0, abs=1e-6 * size.max()
+        )
+        z = 1.3 * np.exp(1j * np.linspace(0.1, 3, 7))
+        poles = np.concatenate([np.diag(A)[:n], np.linalg.eigvals(further)])
+        left = [np.linalg.det(np.eye(outputs) - sum(
+            P * q**-(i + 1) for i, P in enumerate(equation[0])
+        )) for q in z]  # fmt: skip
+        assert left == pytest.approx([np.prod(1 - poles / q) for q in z], rel=1e-5)
+        assert np.abs(np.linalg.eigvals(further)).max(initial=0.0) < CANCELLED
 
 
 def test_an_integrator_is_checked_beside_its_pole():

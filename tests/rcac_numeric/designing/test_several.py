@@ -15,12 +15,20 @@ from rcac_numeric import (
     design,
     intercalated_match,
 )
+from rcac_numeric.analysis._conversion import FURTHER, converted
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._closed_loop_design import advanced, miss, settings_of
 from rcac_numeric.designing._expected import read_expected
 from rcac_numeric.designing._plants import read_plant
-from rcac_numeric.designing._reference import MOST, reference_loop
+from rcac_numeric.designing._reference import (
+    CLOSER,
+    MOST,
+    WeightGrid,
+    reference_loop,
+    sensitivity_peak,
+)
 from rcac_numeric.designing._trials import FIXED, PID, RCAC
+from rcac_numeric.plants._saturation import Saturation
 
 TWO = [["2/(10*s + 1)", "0.5/(6*s + 1)"], ["-0.4/(5*s + 1)", "1/(8*s + 1)"]]
 THREE = [
@@ -167,3 +175,38 @@ def test_the_advice_on_plants_that_are_not_square_works():
     wide = transfer_matrix([["1/(s + 1)", "2/(s + 3)"]])
     assert read_plant(wide @ [[1], [2]], 0.1, 0.0).m == 1
     assert read_plant([[1, 2]] @ wide.T, 0.1, 0.0).m == 1
+
+
+FAST = (
+    ([["1/(8.5*s + 1)", "-0.38/(14.1*s + 1)"], ["0.39/(14.1*s + 1)", "0.8/(14.7*s + 1)"]],
+     [[1.4, 0.8], [0.8, 0.8]]),
+    ([["1/(12*s + 1)", "0.42/(12.9*s + 1)"], ["-0.31/(11.6*s + 1)", "0.8/(10.4*s + 1)"]],
+     [[0.6, 0.6], [0.8, 1.4]]),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("G", "late"), FAST)
+def test_a_plant_that_is_sampled_fast_has_a_controller_at_the_first_try(G, late, monkeypatch):
+    """A deadbeat observer of the first has gains of 1e4: of 24 candidates none was converted."""
+    plant = read_plant(G, 0.2, late)
+    expected, _ = read_expected(0.1, 0.05, None, np.inf, plant.low_gain, plant.m)
+    converted_orders = []
+
+    def counted(parts, *accepted):
+        converted_orders.append(len(parts[0]))
+        return converted(parts, *accepted)
+
+    monkeypatch.setattr("rcac_numeric.designing._reference.converted", counted)
+    result = reference_loop(plant, expected)
+    assert len(converted_orders) == 1 and result.peak < MOST
+    G_c = result.compensator
+    assert 2 * G_c.n_c <= converted_orders[0] + 2 * (FURTHER + 1)
+    assert result.loop(plant).spectral_radius < 1
+    assert sensitivity_peak(result.loop(plant)) == pytest.approx(result.peak, rel=CLOSER)
+
+
+def test_no_controller_to_run_is_an_order_of_none():
+    plant = read_plant(TWO, 1.0, 1.0)
+    expected, _ = read_expected(0.1, 0.05, None, 5.0, plant.low_gain, plant.m)
+    grid = WeightGrid(plant, expected, 5.0, saturation=Saturation(low=-5.0, high=5.0))
+    assert grid.in_runs([]) == []
