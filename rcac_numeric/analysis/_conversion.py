@@ -68,7 +68,7 @@ def compensator_from_state_space(
     deadbeat observer of the state reads all of them, some, or combinations: of those that
     reproduce the response, the one with the smallest coefficients is taken. What (2.28) has more
     states than A_c are poles at 0, and modes of A_c that u does not show are left out. Where its
-    coefficients are too large for float64, as of a controller with many steps of dead time, those
+    coefficients are too large for float64, as where modes hardly show in u, those
     of least norm are taken: their further poles are inside the circle, and cancel.
 
     Parameters
