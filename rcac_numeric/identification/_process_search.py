@@ -173,6 +173,13 @@ class ProcessSearch:
                 kinds.setdefault(key, fit)
         return list(kinds.values())
 
+    def kinds(self, count: int) -> list[ProcessFit]:
+        """The best model of each order and noise, credible or not, the best ones first."""
+        kinds: dict[tuple[object, ...], ProcessFit] = {}
+        for fit in self.fits:
+            kinds.setdefault((fit.order, fit.noise.orders, fit.armax, fit.summed), fit)
+        return list(kinds.values())[:count]
+
     @property
     def rivals(self) -> list[ProcessFit]:
         """The credible models, and those with a level jump beside the response to u."""

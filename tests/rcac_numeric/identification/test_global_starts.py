@@ -165,3 +165,29 @@ def test_simpler_models_keep_a_known_delay():
     fit = fitted(record, full)
     assert {one.delay for one in simpler_starts(fit, is_known=True)} <= {2}
     assert any(one.delay == 3 for one in simpler_starts(fit, is_known=False))
+
+
+def running_loop(seed, steps=450, delay=50, before=137):
+    """A PI controller with a command, and 137 rows that were not logged."""
+    rng, count = np.random.default_rng(seed), steps + before
+    r = rng.uniform(-1, 1, count // 90 + 1).repeat(90)[:count]
+    d = 0.01 * np.cumsum(rng.standard_normal(count)) + 0.02 * rng.standard_normal(count)
+    u, y, x, total = np.zeros(count), np.zeros(count), np.zeros(2), 0.0
+    for k in range(count):
+        y[k] = x[0] + d[k]
+        total += r[k] - y[k]
+        u[k] = 0.3 * (r[k] - y[k]) + 0.012 * total
+        x = np.array([[0.87, 1.0], [0.0, 0.6]]) @ x
+        x[1] += 0.05 * (u[k - delay] if k >= delay else 0.0)
+    return u[before:], y[before:]
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("seed", [5, 8, 9, 12])
+def test_the_first_rows_of_a_running_loop_answer_to_the_u_before_them(seed):
+    """The mean of u is a poor guess of it: delays of 38 to 49 came out, and a pole at 1."""
+    u, y = running_loop(seed)
+    search = search_of(u, y, None)
+    best = search.fits[0]
+    assert 50 <= best.delay <= 53 and not best.integrates
+    assert abs(search.record.rest - u[0]) < abs(search.record.rest - u.mean())
