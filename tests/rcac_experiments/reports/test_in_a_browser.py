@@ -125,17 +125,15 @@ def test_filters_work_and_stand_in_the_address(opened):
 def test_one_click_shows_the_picture_of_an_example(opened):
     page = opened()
     page.click("nav a[href='#e2.2']")
-    page.wait_for_timeout(400)
-    top = page.evaluate(
-        "document.querySelector('[id=\"e2.2\"] figure').getBoundingClientRect().top"
-    )
-    assert 0 < top < 900
+    top = "document.querySelector('[id=\"e2.2\"] figure').getBoundingClientRect().top"
+    page.wait_for_function(f"0 < {top} && {top} < 900")  # the page scrolls in its own time
 
 
 def test_a_link_to_an_example_leads_there(opened):
     page = opened(360, anchor="#e7.1")
-    page.wait_for_timeout(400)
-    assert abs(page.evaluate("document.getElementById('e7.1').getBoundingClientRect().top")) < 60
+    page.wait_for_function(
+        "Math.abs(document.getElementById('e7.1').getBoundingClientRect().top) < 60"
+    )
 
 
 def test_the_button_changes_the_theme(opened):
