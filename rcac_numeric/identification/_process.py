@@ -19,7 +19,6 @@ from rcac_numeric.identification._box_jenkins import (
     residual_of,
     value_before,
 )
-from rcac_numeric.identification._delay_scan import pole_starts
 from rcac_numeric.identification._joint_records import inputs_of, joint_record
 from rcac_numeric.identification._joint_stability import (
     OPEN_LIMIT,
@@ -43,7 +42,7 @@ from rcac_numeric.identification._process_evidence import (
     sign_gate,
 )
 from rcac_numeric.identification._process_records import ProcessRecord, process_record
-from rcac_numeric.identification._process_search import FEW, ProcessSearch, delay_costs
+from rcac_numeric.identification._process_search import FEW, ProcessSearch
 from rcac_numeric.identification._scalar_record import ScalarModel
 
 FASTEST_POLE = 1e-6  # modulus of a pole below which there is no time constant
@@ -308,8 +307,6 @@ def _searched(
     a record of few moves not even that: there any disturbance of its first rows would be one.
     """
     with np.errstate(all="ignore"):
-        if record.moves > FEW:
-            record = _counted_from_rest(record, delay)
         search = ProcessSearch(record, delay, is_direct=is_direct)
         for _ in range(ROUNDS if record.moves > FEW else 0):
             before = _u_before(search)
@@ -321,19 +318,6 @@ def _searched(
                 break
             search = again
     return search
-
-
-def _counted_from_rest(record: ProcessRecord, delay: int | None) -> ProcessRecord:
-    """The record counted from the first u, as if held before, where its starts have less error.
-
-    A record of a loop begins anywhere; the mean of u is a poor guess of what was before.
-    """
-    first, costs = record.counted_from(float(record.u[0])), delay_costs(record, delay)
-
-    def least(one: ProcessRecord) -> float:
-        return min(pair[0].square for pair in pole_starts(one, one.y, one.u, costs))
-
-    return first if record.u[0] and least(first) < least(record) else record
 
 
 def _u_before(search: ProcessSearch) -> float:
