@@ -269,6 +269,18 @@ def _evaluated(
     )  # fmt: skip
 
 
+def inverse_information(J: Array) -> Array:
+    """The covariance of coefficients for errors of variance 1; infinite if it is unknown."""
+    size = np.sqrt(np.einsum("ij,ij->i", J, J))
+    size[size == 0] = 1.0
+    scaled = J / size[:, None]
+    try:
+        covariance = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
+    except np.linalg.LinAlgError:
+        return np.full((len(J), len(J)), np.inf)
+    return np.asarray(covariance / size / size[:, None])
+
+
 def sinusoids(omega: float, steps: int) -> tuple[Array, Array]:
     """A cosine and a sine of a frequency in rad/step."""
     phase = omega * np.arange(steps)

@@ -21,6 +21,7 @@ from rcac_numeric.identification._box_jenkins import (
     ProcessFit,
     Start,
     fitted,
+    inverse_information,
     later,
     noise_start,
     start_of,
@@ -112,16 +113,8 @@ def relative_deviation(record: ProcessRecord, fit: ProcessFit, omega: Array) -> 
 
 def parameter_covariance(record: ProcessRecord, fit: ProcessFit) -> Array:
     """The covariance of a_1, ..., a_n, b_1, ..., b_m in record units; infinite if unknown."""
-    J = fit.jacobian
-    size = np.sqrt(np.einsum("ij,ij->i", J, J))
-    size[size == 0] = 1.0
-    scaled, count = J / size[:, None], fit.order + len(fit.B)
-    try:
-        covariance = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
-    except np.linalg.LinAlgError:
-        return np.full((count, count), np.inf)
-    block = (covariance / size / size[:, None])[:count, :count]
-    return np.asarray(block * variance_of(record, fit))
+    count = fit.order + len(fit.B)
+    return inverse_information(fit.jacobian)[:count, :count] * variance_of(record, fit)
 
 
 def with_faster_pole(record: ProcessRecord, fit: ProcessFit) -> ProcessFit:

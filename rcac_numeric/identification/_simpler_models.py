@@ -13,6 +13,7 @@ from rcac_numeric.identification._box_jenkins import (
     NoiseModel,
     ProcessFit,
     Start,
+    inverse_information,
     start_of,
 )
 
@@ -72,6 +73,8 @@ def _small_parts(fit: ProcessFit, is_known: bool) -> set[str]:
     """The names of the parts that may be 0 together, the smallest first."""
     covariance, parts = _covariance(fit), _parts(fit, is_known)
     limit = float(np.log(len(fit.e)))
+    if not np.isfinite(covariance).all():
+        return set()
 
     def wald(some: list[_Part]) -> float:
         rows, values = np.stack([one.row for one in some]), np.array([one.value for one in some])
@@ -105,13 +108,8 @@ def _parts(fit: ProcessFit, is_known: bool) -> Iterator[_Part]:
 
 
 def _covariance(fit: ProcessFit) -> Array:
-    """That of A, B, C and D."""
-    J = fit.jacobian
-    size = np.sqrt(np.einsum("ij,ij->i", J, J))
-    size[size == 0] = 1.0
-    scaled = J / size[:, None]
-    inverse = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
-    return np.asarray(inverse / size / size[:, None] * float(np.mean(fit.e**2)))
+    """That of A, B, C and D; of heavy tails too large, so that more is tried and BIC decides."""
+    return inverse_information(fit.jacobian) * float(np.mean(fit.e**2))
 
 
 def _with_a_pole_less(start: Start) -> Iterator[Start]:
@@ -130,7 +128,7 @@ def _with_a_pole_less(start: Start) -> Iterator[Start]:
                 others[np.abs(others - zeros[near].conj()).argmin()] = zeros[near].real
             top = np.atleast_1d(np.real(np.poly(others)))
         elif abs(pole) < QUICK:
-            top = start.B / start.B[0]
+            top = start.B
         else:
             continue
         scale = (1 - pole) * float(top.sum())
