@@ -7,7 +7,13 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, IllConditionedError
 from rcac_numeric import Plant, compensator_from_state_space, lqg_controller
-from rcac_numeric.analysis._conversion import CANCELLED, _of_least_norm, converted, deadbeat_gain
+from rcac_numeric.analysis._conversion import (
+    CANCELLED,
+    FURTHER,
+    _of_least_norm,
+    converted,
+    deadbeat_gain,
+)
 from rcac_numeric.controllers._compensator import Compensator
 from tests.support.delayed_plants import delayed_plant
 from tests.support.strategies import seeds
@@ -130,12 +136,13 @@ def test_an_equation_of_least_norm_has_the_poles_and_others_that_cancel(seed, n,
     B, C = rng.standard_normal((n + hidden, 2)), rng.standard_normal((outputs, n + hidden))
     C[:, n:] = 0.0
     parts = A, B, C, rng.standard_normal((outputs, 2))
-    expected = response(parts)
+    expected, checked = response(parts), 0
     for equation, basis, further in _of_least_norm(parts):
         rank, steps = basis.shape[1], len(equation[0])
         if rank < n or np.linalg.cond(C) > 1e3:
             continue  # another rank of a record that float64 does not tell
         assert rank == n and len(further) == steps * outputs - n
+        checked += 1
         result = Compensator(*equation).state_space()
         size = np.linalg.norm(expected, axis=(1, 2))
         assert np.linalg.norm(response(result) - expected, axis=(1, 2)) == pytest.approx(
@@ -148,6 +155,10 @@ def test_an_equation_of_least_norm_has_the_poles_and_others_that_cancel(seed, n,
         )) for q in z]  # fmt: skip
         assert left == pytest.approx([np.prod(1 - poles / q) for q in z], rel=1e-5)
         assert np.abs(np.linalg.eigvals(further)).max(initial=0.0) < CANCELLED
+    rows = [C[:, :n]]
+    while len(rows) < -(-n // outputs) + FURTHER:
+        rows.append(rows[-1] @ A[:n, :n])
+    assert checked or np.linalg.cond(np.vstack(rows)) > 1e3 or np.linalg.cond(C) > 1e3
 
 
 def test_an_integrator_is_checked_beside_its_pole():

@@ -9,7 +9,9 @@ from scipy.signal import lfilter
 from scipy.stats import binom
 
 from compensator_theory.errors import InputError, UndecidedError
+from rcac_numeric import ControllerLog
 from rcac_numeric.compiled._gaps import errors_with_gaps
+from rcac_numeric.designing._matrix_logs import search_of_logs
 from rcac_numeric.identification import _joint_stability, identify_process_matrix
 from rcac_numeric.identification._box_jenkins import NoiseModel, without_sinusoid
 from rcac_numeric.identification._joint_fits import Channel, JointStart, _JointErrors
@@ -473,3 +475,12 @@ def test_the_intervals_of_dead_times_hold_them_and_grow_by_the_skew():
             widened = later.dead_time_intervals[i][j]
             assert widened == pytest.approx((max(low - 0.5, 0.0), high + 1.0))
     assert count >= binom.ppf(1e-3, 24, 0.95)
+
+
+@pytest.mark.costly
+def test_the_skew_of_several_experiments_is_the_widest():
+    logs = [
+        ControllerLog(*two_by_two(seed, steps=300), sample_time=2.0, time_skew=skew)
+        for seed, skew in ((1, (-0.2, 0.1)), (2, (0.0, 0.5)))
+    ]
+    assert search_of_logs(logs, None, 0.0).time_skew == (-0.2, 0.5)
